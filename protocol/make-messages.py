@@ -228,7 +228,7 @@ def openapi(declared, text):
         parameters[name] = {'name': name, 'in': 'query', 'description': described(member), 'schema': schema_of(member, False)}
     document['components']['parameters'] = parameters
     playing = [name for name in declared.client['play']['members'] if name in said]
-    for path, method, names in (('/v1/speech', 'get', alone), ('/v1/speech', 'post', alone), ('/v1/films', 'post', alone), ('/v1/say', 'post', said), ('/v1/play', 'post', playing)):
+    for path, method, names in (('/v1/speech', 'get', alone), ('/v1/speech', 'post', alone), ('/v1/coach', 'post', alone), ('/v1/films', 'post', alone), ('/v1/say', 'post', said), ('/v1/play', 'post', playing)):
         operation = document['paths'][path][method]
         members = [{'$ref': f'#/components/parameters/{name}'} for name in declared.speak]
         operation['parameters'] = [one for one in operation['parameters'] if one not in members] + referred(names)

@@ -30,8 +30,9 @@ before(async () => {
   // films are drawn in tests/browser: here a program writes its file at once
   fs.writeFileSync(path.join(folder, 'filmer'), '#!/bin/sh\nwhile [ "$1" != --output ]; do shift; done\necho film >"$2"\n', { mode: 0o755 });
   fs.copyFileSync(path.join(root, 'models/gestures/wink.json'), path.join(folder, 'gestures/wink.json'));
-  daemon = await Daemon.start(['--editing', '--gestures', path.join(folder, 'gestures'), '--scenes', path.join(folder, 'scenes'), '--library', path.join(folder, 'texts'), '--library-index', path.join(folder, 'index'), '--reports', path.join(folder, 'reports'), '--film-program', path.join(folder, 'filmer'), '--max-films', '1000']);
+  daemon = await Daemon.start(['--editing', '--gestures', path.join(folder, 'gestures'), '--scenes', path.join(folder, 'scenes'), '--library', path.join(folder, 'texts'), '--library-index', path.join(folder, 'index'), '--reports', path.join(folder, 'reports'), '--film-program', path.join(folder, 'filmer'), '--max-films', '1000', '--max-films-per-client', '1000']);
   await eventually(async () => (await (await daemon.get('/v1/library')).json()).state === 'ready', 'the library to be read');
+  BODIES['/v1/coach'] = await (await daemon.get('/v1/speech?text=Ciao&lang=it&format=wav')).arrayBuffer();
 });
 after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
@@ -93,6 +94,7 @@ test('serves the documents unchanged, with everything they refer to', async () =
 });
 
 const BODIES = { '/v1/audio/speech': { input: 'Sì.' }, '/v1/library/reports': { word: 'calmo', lang: 'it' }, '/v1/gestures/{gesture}': JSON.parse(read('models/gestures/wink.json')), '/v1/library/files/{file}': { text: 'Sì.' }, '/v1/scenes/{scene}': { lines: [{ id: '1', text: 'Sì.' }] }, '/v1/revoke': { jti: 'x', exp: 4e9 }, '/v1/rooms/{room}/commands': { type: 'state', state: 'idle' } };
+const bodyOf = (address) => (BODIES[address] instanceof ArrayBuffer ? BODIES[address] : JSON.stringify(BODIES[address]));
 for (const { address, method, operation } of operations) {
   test(`answers ${method} ${address} as documented`, async () => {
     const room = await daemon.stream('?room=api');
@@ -110,7 +112,7 @@ for (const { address, method, operation } of operations) {
     const query = wantsRoom ? '?room=api' : wants('text') ? '?text=Ciao&lang=it' : wants('q') ? '?q=mare' : wants('url') ? '?url=/library/mare/1' : '';
     const options = { method, headers: method === 'PUT' || method === 'DELETE' ? { 'if-match': '*' } : {} };
     if (operation.requestBody?.content['text/plain']) Object.assign(options, { body: 'Sì.', headers: { 'content-type': 'text/plain' } });
-    if (BODIES[address] && method !== 'GET') options.body = JSON.stringify(BODIES[address]);
+    if (BODIES[address] && method !== 'GET') options.body = bodyOf(address);
     if (operation.requestBody?.content['multipart/form-data']) {
       options.body = new FormData();
       options.body.append('fap', new Blob(['2.1 x 25 0\n']), 'x.fap');
@@ -135,11 +137,14 @@ for (const { address, method, operation } of operations) {
         const form = new FormData();
         form.append('fap', new Blob(['2.1 x 25 0\n']), 'x.fap');
         if (address === '/v1/play') Object.assign(options, { body: form, headers: {} });
-        const response = await daemon.get(`${address}?room=api&${name}=nonsense`, options);
+        const coach = address === '/v1/coach';
+        if (coach) Object.assign(options, { body: bodyOf(address), headers: {} });
+        const query = coach ? 'text=Ciao&lang=it' : 'room=api';
+        const response = await daemon.get(`${address}?${query}&${name}=nonsense`, options);
         assert.equal(response.status, name === 'markup' && address === '/v1/say' ? 202 : 400);
         await check(response, operation);
         for (const value of schema.enum ?? []) {
-          const good = await daemon.get(`${address}?room=api&${name}=${value}`, options);
+          const good = await daemon.get(`${address}?${query}&${name}=${value}`, options);
           assert.ok(good.status < 300 || (name === 'markup' && good.status === 400) || (value === 'quiet' && good.status === 409), `${value} ${good.status}`);
           await good.arrayBuffer();
         }
@@ -170,8 +175,8 @@ test('the daemon accepts each client message and sends each server message', asy
   const stream = await daemon.stream('?lang=it');
   const texts = { text: '<speak>Uno <mark name="m"/>due. Tre.</speak>', markup: 'ssml', phones: true, speaker: 'Anna' };
   const members = { speak: texts, rate: { rate: 150 }, jump: { mark: 'm' }, join: { room: 'api' }, play: { name: 'x' },
-    choices: { choices: ['Sì'] }, choose: { choice: 0 }, state: { state: 'idle' }, consent: { consent: 'asked', text: 'Sì?' }, calibrate: { featurePointsCoord: { '8.3': [26, -62, 18] } }, lexicon: { lexicon: '' }, backdrop: { source: 'x.png' }, head: { head: '' }, said: { id: 'said', text: 'Sì' }, text: { id: 'w', text: 'Uno.' }, flush: { id: 'w' }, close: { id: 'w' }, cancel: { id: 'w' }, voice: { id: 'v', rate: 16000 }, ask: { text: 'Sì?', id: 'q', choices: ['Sì'] }, hear: { id: 'h', rate: 16000 } };
-  const order = ['ping', 'model', 'media', 'idle', 'authorize', 'join', 'express', 'choices', 'choose', 'state', 'consent', 'calibrate', 'lexicon', 'backdrop', 'head', 'manner', 'said', 'overhear', 'speak', 'text', 'flush', 'close', 'cancel', 'pause', 'rate', 'jump', 'resume', 'play', 'voice', 'hear', 'leave', 'stop', 'ask'];
+    choices: { choices: ['Sì'] }, choose: { choice: 0 }, state: { state: 'idle' }, consent: { consent: 'asked', text: 'Sì?' }, calibrate: { featurePointsCoord: { '8.3': [26, -62, 18] } }, lexicon: { lexicon: '' }, backdrop: { source: 'x.png' }, head: { head: '' }, said: { id: 'said', text: 'Sì' }, text: { id: 'w', text: 'Uno.' }, flush: { id: 'w' }, close: { id: 'w' }, cancel: { id: 'w' }, voice: { id: 'v', rate: 16000 }, ask: { text: 'Sì?', id: 'q', choices: ['Sì'] }, hear: { id: 'h', rate: 16000 }, drive: { frames: [{ time: 0, faps: { 3: 300 } }] } };
+  const order = ['ping', 'model', 'media', 'idle', 'authorize', 'join', 'express', 'choices', 'choose', 'state', 'consent', 'calibrate', 'lexicon', 'backdrop', 'head', 'manner', 'drive', 'said', 'overhear', 'speak', 'text', 'flush', 'close', 'cancel', 'pause', 'rate', 'jump', 'resume', 'play', 'voice', 'hear', 'leave', 'stop', 'ask'];
   assert.deepEqual([...order].sort(), types('client').sort());
   const desk = await daemon.stream(); // observers are notified of each other (observers)
   desk.send({ type: 'join', room: 'api', watch: true });

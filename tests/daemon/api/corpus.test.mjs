@@ -42,6 +42,7 @@ const messages = [
   { type: 'manner', speed: 0.8, pitch: 1, volume: 1.2 },
   { type: 'said', id: 'w', text: 'Sì', final: true, confidence: 0.5, lang: 'it' },
   { type: 'overhear', on: true },
+  { type: 'drive', frames: [{ time: 0.5, faps: { 3: 10 } }] },
   { type: 'hear', id: 'h', codec: 'pcm_s16le', rate: 16000, channels: 1, lang: 'it' },
   { type: 'voice', id: 'v', codec: 'pcm_s16le', rate: 16000, channels: 1, lookahead: 80, lang: 'it', engine: 'network', fps: 25, life: 1, still: false, mode: 'queue', priority: 'chat', topic: 't' },
 ];
@@ -58,6 +59,7 @@ const readerOnly = {
   'not-speaking': 'it depends on what has been said before',
   'unknown-media': 'what lies in the folder',
   'unknown-mark': 'the marks stand in the text',
+  driven: 'it depends on who drives',
   'no-choices': 'it depends on what is offered',
   'too-many-voices': 'it depends on what is being heard',
 };

@@ -71,8 +71,8 @@ test('writes the columns of Live Link Face', () => {
     assert.equal(row[0], `00:00:0${Math.floor(k / 25)}:${String(k % 25).padStart(2, '0')}.000`);
     assert.equal(row[1], '61');
     for (const weight of row.slice(2, 54)) assert.ok(weight >= 0 && weight <= 1, row.join());
-    // radians to its right, down, to its left shoulder; the columns of an eye are those of the eye whose shapes have the other name
-    for (const [column, fap, sign] of [[54, 49, -1], [55, 48, 1], [56, 50, -1], [57, 24, -1], [58, 26, 1], [60, 23, -1], [61, 25, 1]])
+    // radians: the head to its left, up, to its left shoulder; the eyes to their right, down; the columns of an eye are those of the eye whose shapes have the other name
+    for (const [column, fap, sign] of [[54, 49, 1], [55, 48, -1], [56, 50, -1], [57, 24, -1], [58, 26, 1], [60, 23, -1], [61, 25, 1]])
       assert.ok(Math.abs(row[column] - sign * said[k][fap] * 1e-5) < 2e-6, `${header[column]} of frame ${k}`);
   });
   const moved = (name) => Math.max(...rows.map((row) => Math.abs(row[COLUMNS.indexOf(name)])));

@@ -29,7 +29,7 @@ const speak = async (more) => {
 const seconds = (pcm) => pcm.length / 2 / 24000;
 
 test('each format of the client, mp3 if it names none', async () => {
-  const begins = { mp3: ['audio/mpeg', /^\xff[\xe0-\xff]/], opus: ['audio/ogg', /^OggS/], flac: ['audio/flac', /^fLaC/], wav: ['audio/wav', /^RIFF/] };
+  const begins = { mp3: ['audio/mpeg', /^\xff[\xe0-\xff]/], opus: ['audio/ogg', /^OggS/], aac: ['audio/aac', /^\xff[\xf0-\xf9]/], flac: ['audio/flac', /^fLaC/], wav: ['audio/wav', /^RIFF/] };
   for (const [format, [type, magic]] of Object.entries(begins)) {
     const answer = await speak({ response_format: format });
     assert.equal(answer.type, type);
@@ -39,6 +39,22 @@ test('each format of the client, mp3 if it names none', async () => {
   const wav = await speak({ response_format: 'wav' }), pcm = await speak({ response_format: 'pcm' });
   const expected = (wav.data.length - 44) / 2 / wav.data.readUInt32LE(24);
   assert.ok(expected > 0.8 && Math.abs(seconds(pcm.data) - expected) < 0.01, `${seconds(pcm.data)} s of ${expected}`);
+});
+
+test('aac: ffmpeg hears the sound of the wav', async () => {
+  const pcmOf = (format, data) => execFileSync('ffmpeg', ['-v', 'error', '-f', format, '-i', '-', '-f', 's16le', '-ac', '1', '-ar', '22050', '-'], { input: data, maxBuffer: 1 << 26 });
+  const energy = (pcm) => Array.from({ length: Math.floor(pcm.length / 4410) }, (_, i) => Array.from({ length: 2205 }, (__, k) => pcm.readInt16LE(4410 * i + 2 * k) ** 2).reduce((a, b) => a + b) / 2205);
+  const loudness = async (format) => energy(pcmOf(format, (await speak({ response_format: format, input: 'The train leaves at noon, and nobody waits.' })).data)).map((e) => 10 * Math.log10(e + 100));
+  const [wav, aac] = [await loudness('wav'), await loudness('aac')];
+  assert.ok(aac.length >= wav.length && aac.length < wav.length + 4, `${aac.length} of ${wav.length}`);
+  const mean = (values) => values.reduce((a, b) => a + b) / values.length;
+  const same = (by) => { // correlation with the sound `by` tenths of a second later
+    const pairs = wav.map((a, i) => [a, aac[i + by] ?? 20]);
+    const [x, y] = [0, 1].map((k) => mean(pairs.map((pair) => pair[k])));
+    const sum = (f) => pairs.reduce((total, [a, b]) => total + f(a - x, b - y), 0);
+    return sum((a, b) => a * b) / Math.sqrt(sum((a) => a * a) * sum((_, b) => b * b));
+  };
+  assert.ok(Math.max(same(0), same(1)) > 0.9, `${same(0)} ${same(1)}`);
 });
 
 test('json: words and visemes with their times; Markdown is not said', async () => {
@@ -89,7 +105,7 @@ test('what is wrong is said in the client\'s form, with its parameter', async ()
     assert.deepEqual([error.status, error.code, error.param, error.type], [status, code, param, 'invalid_request_error'], error.message);
     return error.message.length > 20 && error.message.includes(param ?? "speak");
   });
-  await fails({ response_format: 'aac' }, 400, 'unknown-format', 'response_format');
+  await fails({ response_format: 'amr' }, 400, 'unknown-format', 'response_format');
   await fails({ voice: 'nobody' }, 400, 'unknown-voice', 'voice');
   await fails({ voice: 7 }, 400, 'bad-field', 'voice');
   await fails({ speed: 9 }, 400, 'bad-field', 'speed');

@@ -106,6 +106,10 @@ async function together() {
   stream.send({ type: 'close', id: 'o' });
   await desk.wait({ type: 'overheard', id: 'o', data: Buffer.alloc(640).toString('base64') });
   await desk.wait({ type: 'heard', id: 'o', final: true });
+  stream.send({ type: 'drive', frames: [{ time: 0, faps: { 3: 1 } }] });
+  await desk.wait({ type: 'driven', on: true });
+  stream.send({ type: 'drive', on: false });
+  await desk.wait({ type: 'driven', on: false });
   stream.send({ type: 'media', blocked: true });
   desk.send({ type: 'speak', id: 'a', text: 'Sì.', again: true }); // of a daemon that does not lead the room
   await stream.wait({ type: 'begin', id: 'a', again: true });

@@ -60,7 +60,7 @@ async function lives(prefix) {
     assert.match(await (await daemon.get('/')).text(), /<talking-head/);
     assert.match(await (await daemon.get('/talking-head.js')).text(), /faccia, MIT/);
     const { models } = await (await daemon.get('/v1/models')).json();
-    assert.deepEqual(models.map(({ name }) => name), ['mara', 'bruno', 'rosa', 'ettore', 'amina', 'samuel', 'mei', 'luca']);
+    assert.deepEqual(models.map(({ name }) => name), ['mara', 'bruno', 'rosa', 'ettore', 'amina', 'samuel', 'mei', 'luca', 'celia', 'kemal']);
     const head = await daemon.get('/v1/models/mara');
     assert.equal(head.status, 200);
     assert.equal((await head.json()).format, 'faccia-head');

@@ -21,6 +21,7 @@ const rows = fs.readFileSync(path.join(root, 'web/docs/research/theses.md'), 'ut
 /* Inputs of the names that the table has. */
 before(() => {
   fs.symlinkSync(path.join(root, 'models'), path.join(folder, 'models'));
+  fs.copyFileSync(path.join(ordinary, 'models/heads/mara.json'), path.join(folder, 'mara.json'));
   put('apml.xml', '<apml><performative type="inform"><rheme affect="joy">Ciao.</rheme></performative></apml>');
   put('jsml.xml', '<SENT><SAD>hüzün</SAD> <HAPPY>sevinç</HAPPY></SENT>');
   const phones = ['', 'a', 'p', 'a', '', 'a', 'm', 'a', ''];
@@ -54,10 +55,10 @@ describe('each row', () => {
       assert.ok(command, 'a command');
       const named = cells.find((cell) => /^(daemon|unit|models|browser|web|protocol)\/\S+\.(test\.mjs|c)$/.test(cell ?? ''));
       assert.ok(named && fs.existsSync(path.join(root, 'tests', named)), `its test: ${named}`);
-      const shell = command.replace(/^faccia /, `"${path.join(ordinary, 'server/cli/faccia')}" --models "${path.join(ordinary, 'models')}" `);
+      const shell = command.replace(/(^|&& )faccia /g, `$1"${path.join(ordinary, 'server/cli/faccia')}" --models "${path.join(ordinary, 'models')}" `);
       const { status, stdout, stderr } = spawnSync('sh', ['-c', shell], { cwd: folder, encoding: 'utf8', maxBuffer: 1 << 26 });
       assert.equal(status, 0, `${stderr.slice(0, 2000)}${stdout.slice(0, 500)}`);
-      for (const [, output] of command.matchAll(/ (?:--wav|--fap|--svg|-o) ([\w-]+\.(?:wav|fap|svg|html|json|csv))/g)) assert.ok(fs.statSync(path.join(folder, output)).size > 40, output);
+      for (const [, output] of command.matchAll(/ (?:--wav|--fap|--svg|-o) ([\w-]+\.(?:wav|fap|svg|html|json|csv|wrl))/g)) assert.ok(fs.statSync(path.join(folder, output)).size > 40, output);
       const picture = cells.find((cell) => /\.(svg|png|webp)$/.test(cell ?? ''));
       if (!picture) return;
       if (picture.startsWith('build/test-artefacts/')) assert.ok(fs.readFileSync(path.join(root, 'tests', named), 'utf8').includes(path.basename(picture)), `${named} takes ${picture}`);
