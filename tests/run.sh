@@ -134,29 +134,29 @@ run() {
 }
 
 rm -f "$artefacts"/*.count
-# What draws a face goes one by one, for want of a graphics card; it leaves room for all others beside it. The daemon's wait for speech
-# most of their time. Packages are built and tried when nothing else runs.
-{
-    for what in "$@"; do
-        case $what in
-        browser | daemon | packages) ;;
-        models) files models | dearest import make-set crossing find-points profile | sed 's/^/models /' ;;
-        *) files "$what" | sed "s/^/$what /" ;;
-        esac
-    done | run 3
-    case " $* " in *' daemon '*)
-        files daemon | dearest worker library mqtt festival align fit cluster hear docs-commands command-examples cluster-rooms http-strict heard eval |
-            sed 's/^/daemon /' | run 3
-        ;;
-    esac
-} &
+# What draws a face goes one by one, for want of a graphics card, and leaves room for all others beside it, which wait for speech most
+# of their time. When these are done, two faces are drawn side by side. Packages are built and tried when nothing else runs.
+drawing=
 case " $* " in *' browser '*)
     faceless=$(files browser | xargs grep -l 'launch({ webgl: false' | xargs grep -L 'launch()')
-    files browser | grep -vxF "$faceless" | dearest foreign avatar-poses people film listen portrait | sed 's/^/browser /' | run 1
-    echo "$faceless" | dearest operator page-axe page-speak page-layout | sed 's/^/browser /' | run 2
+    files browser | grep -vxF "$faceless" | dearest foreign avatar-poses people film listen portrait | sed 's/^/browser /' >"$artefacts/drawn"
+    xargs -P 1 -n 2 sh "$root/tests/one.sh" <"$artefacts/drawn" &
+    drawing=$!
     ;;
 esac
-wait
+for what in "$@"; do
+    case $what in
+    browser) echo "$faceless" | dearest operator page-axe page-speak page-layout ;;
+    daemon) files daemon | dearest worker library mqtt festival align fit cluster hear docs-commands command-examples cluster-rooms http-strict heard eval ;;
+    models) files models | dearest import make-set crossing find-points profile ;;
+    packages) ;;
+    *) files "$what" ;;
+    esac | sed "s/^/$what /"
+done | run 3
+if [ -n "$drawing" ]; then
+    kill -USR1 $drawing 2>/dev/null || true # xargs: one more at a time
+    wait $drawing || true
+fi
 # Single files: what draws a face one by one.
 for file in $chosen; do
     group=${file#"$root/tests/"}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Frames per second in headless Chromium with software rendering at 640 x 480, and CPU time per frame (of all browser processes): the page during
-// speech in `low`, `high` and `auto`, beside a typical head of other software (reference-head.mjs) and an empty page that only counts frames; in turns,
+// speech in `low`, `high` and `auto`, and idle in `low`, beside a typical head of other software (reference-head.mjs) and an empty page that only counts frames; in turns,
 // so that other load affects all. --before also measures another folder (a build/web of an older commit). Chromium runs as without a GPU: SwiftShader
 // draws faces, but the page is composited without it. --forced composites with SwiftShader too, as older figures did, although no visitor does.
 // Usage: node tests/bench/run.mjs fps [--seconds 8] [--turns 3] [--before FOLDER] [--model mara] [--forced] [--only high] (beside the reference)
@@ -73,11 +73,11 @@ async function other() {
   return { ...found, triangles };
 }
 
-async function ours(quality, { url }) {
+async function ours(quality, { url }, speaks = true) {
   const page = await openPage(browser, url);
   await page.evaluate((wanted) => document.querySelector('talking-head').setAttribute('quality', wanted), quality);
   await page.evaluate(() => Object.assign(document.querySelector('talking-head').style, { width: '640px', height: '480px', position: 'fixed', inset: 0, maxWidth: 'none' }));
-  await page.evaluate((text) => void document.querySelector('talking-head').speak(text, { lang: 'it' }), prose(seconds + 12));
+  if (speaks) await page.evaluate((text) => void document.querySelector('talking-head').speak(text, { lang: 'it' }), prose(seconds + 12));
   const found = await rate(page, () => document.querySelector('talking-head').debug().frames);
   const { triangles, level } = await page.evaluate(() => document.querySelector('talking-head').debug());
   await page.close();
@@ -88,7 +88,9 @@ const kinds = [
   ['an empty page', empty],
   ['reference', other],
   ...['low', 'high', 'auto'].map((quality) => [quality, () => ours(quality, daemon)]),
+  ['low, idle', () => ours('low', daemon, false)],
   ...(before ? ['low', 'high'].map((quality) => [`${quality}, before`, () => ours(quality, before)]) : []),
+  ...(before ? [['low, idle, before', () => ours('low', before, false)]] : []),
 ].filter(([name]) => name === 'reference' || name.includes(options.only));
 const found = new Map(kinds.map(([name]) => [name, []]));
 const stop = watchOthers();

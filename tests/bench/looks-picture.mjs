@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Draws a contact sheet of each head into a folder: at rest, the six emotions, a turn of 30°, closed lids and a smile with closed lips. Look at them
-// before and after a change of heads, expressions or shading.
+// Draws a contact sheet of each head into a folder: at rest, the six emotions, a turn of 30°, closed lids, a smile with closed lips, and the Italian
+// sounds /a m f u/. Look at them before and after a change of heads, expressions or shading.
 // FACCIA_BUILD=build node tests/bench/run.mjs looks-picture OUT [--heads mara,bruno] [--size 450] [--level high] [--looks rest,joy] [--view face]
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
@@ -11,29 +11,31 @@ import { launch } from '../lib/browser.mjs';
 import { heads as models } from '../lib/built-heads.mjs';
 import { root } from '../lib/daemon.mjs';
 import { headPage } from '../lib/head-page.mjs';
-import { expressionPose } from '../lib/mouth-poses.mjs';
+import { expressionPose, soundPoses } from '../lib/mouth-poses.mjs';
 import { BASIC } from '../lib/sweep-poses.mjs';
 
 const { values: options, positionals: [out] } = parseArgs({
   allowPositionals: true,
   options: {
-    heads: { type: 'string', default: 'mara,bruno,rosa,ettore,amina,samuel,mei,luca' }, size: { type: 'string', default: '450' },
+    heads: { type: 'string', default: 'mara,bruno,rosa,ettore,amina,samuel,mei,luca,celia,kemal' }, size: { type: 'string', default: '450' },
     level: { type: 'string', default: 'high' }, looks: { type: 'string' }, view: { type: 'string' },
   },
 });
 if (!out) throw new Error('usage: run.mjs looks-picture OUT');
-const COLUMNS = 5;
+const COLUMNS = 7;
 const PAPER = '#e4dacd';
-const CLOSED = 1100; // FAPs 19 to 22: beyond what closes lids, as blinks are
+const CLOSED = { 19: 940, 20: 940, 21: 84, 22: 84 }; // as a blink closes lids
 const sharp = createRequire(path.join(root, 'models/package.json'))('sharp');
 
 const LOOKS = {
   rest: {},
   ...Object.fromEntries(BASIC.map((name) => [name, { faps: () => expressionPose(`${name}=1`) }])),
   turned: { yaw: Math.PI / 6 },
-  closed: { faps: () => ({ 19: CLOSED, 20: CLOSED }) },
+  closed: { faps: () => CLOSED },
   liking: { faps: () => expressionPose('liking=1') },
+  ...Object.fromEntries(Object.entries({ a: 'a', m: 'p', f: 'f', u: 'u' }).map(([name, ipa]) => [name, { faps: () => (sounds ??= soundPoses('it'))[ipa] }])), // /m/ looks as /p/ does
 };
+let sounds;
 const looks = options.looks?.split(',') ?? Object.keys(LOOKS);
 const size = Number(options.size);
 const browser = await launch({ forced: false });

@@ -2,7 +2,7 @@
 /* Cost of time-stretching a recording: CPU time relative to the sound's duration, at each speed, in pieces of
  * ten seconds. Usage: bench_tempo_cost SOUND */
 #include "server/base/mem.h"
-#include "server/library/align/sound_file.h"
+#include "server/library/align/sound/sound_file.h"
 #include "server/plugins/recording/recording_voice_internal.h"
 #include <stdio.h>
 #include <stdlib.h>

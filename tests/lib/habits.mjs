@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** A head with individual movements unknown to the tools, its poses, and a measure of how differently another head's skin moves. */
 import { pose, unitLength } from '../../models/tools/lib/deform.mjs';
+import { nearestVertex } from '../../models/tools/lib/mesh.mjs';
 import { fitShape } from '../../web/portrait/fit.mjs';
 import { EYES, LOWER_LIP, UPPER_LIP } from '../../web/portrait/landmarks.mjs';
 import { POSES } from '../../web/portrait/actions/poses.mjs';
@@ -77,14 +78,6 @@ const MOVING = new Set([...UPPER_LIP.slice(1).flat(), ...LOWER_LIP.slice(1).flat
  */
 export function samePlaces(head, truth, base, own, landmarks) {
   const { target } = fitShape([{ landmarks }], base);
-  const nearest = ({ position }, p) => {
-    let [best, least] = [0, Infinity];
-    for (let v = 0; v < position.length / 3; v++) {
-      const far = Math.hypot(...p.map((x, k) => position[3 * v + k] - x));
-      if (far < least) [best, least] = [v, far];
-    }
-    return best;
-  };
   const which = [...own.at.keys()].filter((i) => i < 468 && !MOVING.has(i) && own.at[i] && target[i]);
-  return which.map((i) => [nearest(skinOf(head), target[i]), nearest(skinOf(truth), own.at[i])]);
+  return which.map((i) => [nearestVertex(skinOf(head), target[i]), nearestVertex(skinOf(truth), own.at[i])]);
 }

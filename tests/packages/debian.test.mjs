@@ -47,7 +47,7 @@ test('the daemon runs there as its own user, serves the page and its heads, and 
   await machine.daemon(async (address) => {
     assert.match(await (await fetch(address)).text(), /<talking-head/);
     const { models } = await (await fetch(`${address}/v1/models`)).json();
-    assert.equal(models.length, 8);
+    assert.equal(models.length, 10);
     assert.equal((await fetch(`${address}/v1/models/mara`)).status, 200);
     await speaks(address);
   });

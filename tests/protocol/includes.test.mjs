@@ -23,10 +23,11 @@ const BELOW = {
   export: ['codec', 'normalize', 'stream', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   http: ['access', 'base'],
   rooms: ['http', 'access', 'cluster', 'stream', 'codec', 'synthesis', 'expression', 'markup', 'protocol', 'base'],
-  api: ['rooms', 'film', 'http', 'library', 'access', 'cluster', 'stream', 'export', 'live', 'synthesis', 'codec', 'expression', 'markup', 'protocol', 'base'],
+  api: ['rooms', 'film', 'coach', 'http', 'library', 'access', 'cluster', 'stream', 'export', 'live', 'synthesis', 'codec', 'expression', 'markup', 'protocol', 'base'],
   // beside the core
   live: ['synthesis', 'face', 'voice', 'protocol', 'base'],
-  library: ['normalize', 'base'],
+  coach: ['library/align', 'live', 'synthesis', 'voice', 'base'],
+  library: ['normalize', 'markup', 'base'],
   'library/align': ['library', 'live', 'normalize', 'face', 'voice', 'markup', 'protocol', 'base'],
   'library/publish': ['library', 'export', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   research: ['cli', 'daemon', 'library/align', 'export', 'synthesis', 'face', 'voice', 'expression', 'protocol', 'base'],
@@ -47,7 +48,7 @@ const isTable = ({ name, code }) => {
 
 const stageOf = (name) => {
   if (name.startsWith('protocol/')) return 'protocol';
-  if (/^server\/(live|library|research)\/.*\bfaccia_\w+\.c$/.test(name)) return 'cli'; // a command lies beside what it runs
+  if (/^server\/(coach|live|library|research)\/.*\bfaccia_\w+\.c$/.test(name)) return 'cli'; // a command lies beside what it runs
   const [, room, folder] = name.split('/');
   return `${room}/${folder}` in BELOW ? `${room}/${folder}` : room;
 };
@@ -172,8 +173,9 @@ test('only the settings read settings', () => {
     [...code.matchAll(/\b(?:secure_)?(?:getenv|setenv|putenv)\(("?\w+"?)/g)].map(([, what]) => `${name}: ${what}`),
   );
   // PATH and HOME are the system's; a voice's worker tells what it loads, in its own process: libraries to be silent, a plugin that speaks
-  // with a second voice whether that is confined; the command of a recogniser is told the language; programs beside the daemon have their own
-  const others = asked.filter((line) => !/^server\/daemon\/settings\.c:|: "(?:PATH|HOME|PULSE_SERVER|PULSE_CLIENTCONFIG)"$|^server\/bridges\/|^server\/(?:voice\/worker_main|library\/align\/reference)\.c: "FACCIA_SANDBOX"$|^server\/live\/faccia_recogniser\.c: "HEAR_LANG"$/.test(line));
+  // with a second voice whether that is confined; the command of a recogniser is told the language, a film that a daemon waits
+  // for it; programs beside the daemon have their own
+  const others = asked.filter((line) => !/^server\/daemon\/settings\.c:|: "(?:PATH|HOME|PULSE_SERVER|PULSE_CLIENTCONFIG)"$|^server\/bridges\/|^server\/(?:voice\/worker_main|library\/align\/reference)\.c: "FACCIA_SANDBOX"$|^server\/live\/faccia_recogniser\.c: "HEAR_LANG"$|^server\/cli\/faccia_film\.c: FILM_JOB_VARIABLE$/.test(line));
   assert.deepEqual(others, []);
 });
 

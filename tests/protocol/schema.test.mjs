@@ -52,6 +52,7 @@ const whole = {
   calibrated: { stream: 's' },
   lexicon: { stream: 's', lexicon: '' },
   expressed: { stream: 's', mix: [] },
+  driven: { stream: 's', on: true, by: 'x' },
   consent: { stream: 's', consent: 'asked', by: 'x', recorded: false },
   observers: { stream: 's', observers: [], count: 0 },
   begin: { stream: 's', utterance: 1, rate: 22050, fps: 25, voice: 'v', lang: 'it', engine: 'dominance', markup: 'plain', idle: 0 },
