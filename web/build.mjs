@@ -122,11 +122,20 @@ const film = await build({
   plugins: [trimmed],
 });
 note(film.metafile);
+const filmKit = await build({
+  ...common,
+  entryPoints: [path.join(here, 'film/take.mjs')],
+  outfile: path.join(out, 'film-kit.js'),
+  banner: { js: '/* faccia, MIT. Contains three.js, MIT, (c) three.js authors; Mediabunny, MPL-2.0, (c) Vanilagy and contributors. */' },
+  metafile: true,
+  plugins: [trimmed],
+});
+note(filmKit.metafile);
 const kit = await build({
   ...common,
   stdin: {
     contents: `export { default as uPlot } from 'uplot'; export { default as FFT } from 'fft.js';
-      export { readFapcFile } from '../protocol/fapc/fapcfile.mjs'; export { mono } from './element/audio/mixdown.mjs';`,
+      export { readFapcFile } from '../protocol/fapc/fapcfile.mjs'; export { isFba, readFba, supplyFba } from '../protocol/fba/fba.mjs'; export { mono } from './element/audio/mixdown.mjs';`,
     resolveDir: here,
   },
   outfile: path.join(out, 'player-kit.js'),
@@ -144,7 +153,7 @@ const bundled = await build({
   entryPoints: [...scripts, 'library/library-early.js'].map((file) => path.join(pages, file)),
   outdir: out,
   entryNames: '[name]',
-  external: ['talking-head', 'player-kit', 'portrait', 'library', 'library-early', 'stories'].map((name) => `./${name}.js`),
+  external: ['talking-head', 'player-kit', 'film-kit', 'portrait', 'library', 'library-early', 'stories'].map((name) => `./${name}.js`),
   banner: { js: '/* faccia, MIT. */' },
   metafile: true,
 });

@@ -42,11 +42,12 @@ export const included = {
   'protocol/rooms': { from: protocol, sections: ['Rooms', 'Choices and states', 'Questions', 'Consent', 'Manner and backdrop', 'Scenes', 'Who speaks', 'Lexicons', 'Another head', 'Calibration', 'Recordings'], title: 'Rooms' },
   'protocol/plain-text': { from: protocol, sections: ['Plain text'], title: 'Plain text' },
   'protocol/access': { from: protocol, sections: ['Tokens and rights'], title: 'Tokens and rights' },
-  'protocol/face': { from: protocol, sections: ['The living face'], title: 'The living face' },
+  'protocol/face': { from: protocol, sections: ['The living face', 'Driving'], title: 'The living face' },
   'protocol/media': { from: protocol, sections: ['Media chunks', 'Choosing a form', 'Compact chunks', 'Packed events'], title: 'Media' },
   'protocol/fapc': { from: 'protocol/fapc.md' },
+  'protocol/mpeg4': { from: 'protocol/mpeg4.md' },
   'protocol/bundle': { from: 'protocol/bundle.md' },
-  'protocol/http': { from: protocol, sections: ['HTTP', 'Health and metrics', 'Lists', 'Heads over HTTP', 'A text over HTTP', 'Films', 'OpenAI speech API', 'A text in a room', 'Commands to a room', 'Revoking tokens', 'Errors and connections'], title: 'HTTP' },
+  'protocol/http': { from: protocol, sections: ['HTTP', 'Health and metrics', 'Lists', 'Heads over HTTP', 'A text over HTTP', 'Films', 'Coach', 'OpenAI speech API', 'A text in a room', 'Commands to a room', 'Revoking tokens', 'Errors and connections'], title: 'HTTP' },
   'protocol/engines': { from: protocol, sections: ['Engines'], title: 'Engines' },
   'protocol/errors': { from: protocol, sections: ['Error codes'], title: 'Error codes' },
   'protocol/limits': { from: protocol, sections: ['Limits'], title: 'Limits' },
@@ -72,7 +73,7 @@ export const generated = ['element/api', 'protocol/openapi', 'protocol/asyncapi'
 const group = (text, ...items) => ({ text, collapsed: true, items: items.map(([name, link]) => ({ text: name, link: `/${link}` })) });
 
 export const sidebar = [
-  { ...group('Start', ['What faccia is', 'start/'], ['On a page', 'start/page'], ['On a static site', 'start/static'], ['In a kitchen', 'start/kitchen'], ['From a script', 'start/script'], ['From an assistant', 'start/mcp'], ['From a voice agent', 'start/agents'], ['A film', 'start/film'], ['In a stream', 'start/stream'], ['In a portal', 'start/portal'],
+  { ...group('Start', ['What faccia is', 'start/'], ['On a page', 'start/page'], ['On a static site', 'start/static'], ['In a kitchen', 'start/kitchen'], ['From a script', 'start/script'], ['From an assistant', 'start/mcp'], ['From a voice agent', 'start/agents'], ['From a face', 'start/mirror'], ['A film', 'start/film'], ['In a stream', 'start/stream'], ['In a portal', 'start/portal'], ['A pronunciation coach', 'start/coach'],
     ['The pages', 'start/pages'], ['More scripts', 'start/scripting']), collapsed: false },
   group('The element', ['Use it', 'element/'], ['Attributes, methods, events', 'element/reference'], ['Types', 'element/api'], ['Reading the page', 'element/reading'],
     ['Voices without a text', 'element/listening'], ['Looks and captions', 'element/looks'], ['Avatars', 'element/avatars'], ['Pictures', 'element/pictures'], ['How it keeps time', 'element/time']),
@@ -86,7 +87,7 @@ export const sidebar = [
   group('Operating', ['Run it', 'operating/'], ['Settings', 'operating/settings'], ['TLS', 'operating/tls'], ['Tokens', 'operating/tokens'], ['Packages', 'operating/packages'], ['Several daemons', 'operating/cluster'],
     ['Security', 'operating/security']),
   group('Protocol', ['Overview', 'protocol/'], ['WebSocket', 'protocol/websocket'], ['Members of messages', 'protocol/messages'], ['Control', 'protocol/control'], ['Live voice', 'protocol/live-voice'], ['Rooms', 'protocol/rooms'], ['Plain text', 'protocol/plain-text'],
-    ['Tokens and rights', 'protocol/access'], ['The living face', 'protocol/face'], ['Media', 'protocol/media'], ['FAPC', 'protocol/fapc'], ['Bundles', 'protocol/bundle'], ['HTTP', 'protocol/http'], ['Engines', 'protocol/engines'], ['Error codes', 'protocol/errors'],
+    ['Tokens and rights', 'protocol/access'], ['The living face', 'protocol/face'], ['Media', 'protocol/media'], ['FAPC', 'protocol/fapc'], ['MPEG-4 streams', 'protocol/mpeg4'], ['Bundles', 'protocol/bundle'], ['HTTP', 'protocol/http'], ['Engines', 'protocol/engines'], ['Error codes', 'protocol/errors'],
     ['Limits', 'protocol/limits'], ['RFC 6455', 'protocol/rfc6455'], ['HTTP reference (OpenAPI)', 'protocol/openapi'], ['Message reference (AsyncAPI)', 'protocol/asyncapi'], ['Command line', 'protocol/cli']),
   group('Architecture', ['The house', 'architecture/'], ['Glossary', 'architecture/glossary'], ['Contributing', 'architecture/contributing'], ['Fuzzing', 'architecture/fuzzing']),
   group('Research', ['Measurements', 'research/'], ['Benchmarks', 'research/benchmarks'], ['Lips from sound', 'research/hearing'], ['Faults', 'research/faults'], ['Listening tests', 'research/listening-tests'], ['Recording sessions', 'research/recording-sessions'], ['The theses', 'research/theses'], ['Sources and credits', 'research/credits']),

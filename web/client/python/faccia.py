@@ -36,13 +36,13 @@ __all__ = ["CLIENT_MESSAGES", "SERVER_MESSAGES", "ChunkError", "Client", "Media"
 # <client messages: made by protocol/make-messages.py>
 CLIENT_MESSAGES = frozenset(
     "speak text flush close cancel stop pause resume rate jump play ask idle express media join leave authorize model "
-    "ping choices choose state head lexicon calibrate consent voice backdrop said manner overhear hear".split()
+    "ping choices choose state head lexicon calibrate consent voice backdrop said manner overhear drive hear".split()
 )
 # </client messages>
 # <server messages: made by protocol/make-messages.py>
 SERVER_MESSAGES = frozenset(
     "hello begin sentence word speaker phone mark paused resumed jumped warning error end joined left authorized model "
-    "pong choices chosen asked answered heard backdrop overheard state calibrated lexicon head expressed consent "
+    "pong choices chosen asked answered heard backdrop overheard state calibrated lexicon driven head expressed consent "
     "observers".split()
 )
 # </server messages>
