@@ -60,8 +60,11 @@ fi
 if [ "$status" != 0 ] && [ "$bad" = 0 ]; then
     bad=1 # died without a word
 fi
+rm -f "$artefacts/$name.again"
 if [ "$bad" != 0 ]; then
     tail -n 400 "$log" # the whole log is kept
+    # A sanitizer's finding is never chance.
+    grep -aqE 'ERROR: (Address|Leak)Sanitizer|runtime error: ' "$log" || echo "$what $file" >"$artefacts/$name.again"
 fi
 echo "$ok $bad ${skipped:-0}" >"$artefacts/$name.count"
 echo "$name: $ok passed, $bad failed, ${skipped:-0} skipped in $(($(date +%s) - begun)) s ($processor of processor)"
