@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* POST /v1/audio/speech: OpenAI's speech API, so that its clients can use this daemon. Translates requests,
- * errors and events; the formats, voices and affects are the daemon's own. */
+ * errors and events; the formats, voices and affects are the daemon's own. GET /v1/audio/voices and
+ * /v1/audio/models are not OpenAI's: clients ask them of every other server, to offer a choice. */
 #include "server/api/api_internal.h"
 #include "server/api/commands.h"
 #include "server/base/json/surrogates.h"
@@ -21,6 +22,35 @@ static const struct {
     {"nova", GENDER_FEMALE},  {"onyx", GENDER_MALE}, {"sage", GENDER_FEMALE}, {"shimmer", GENDER_FEMALE},
     {"verse", GENDER_MALE},
 };
+
+/* What clients know as models of speech. A request may name any. */
+static const char *const usual_models[] = {"tts-1", "tts-1-hd", "gpt-4o-mini-tts"};
+
+json_t *openai_voices(const struct api *api) {
+    json_t *list = json_array(), *own = message_voices(api), *voice;
+    size_t i;
+    for (i = 0; i < sizeof usual_voices / sizeof *usual_voices; i++)
+        json_array_append_new(list,
+                              json_pack("{ss ss}", "id", usual_voices[i].name, "name", usual_voices[i].name));
+    json_array_foreach(own, i, voice) {
+        const char *id, *name, *lang;
+        json_unpack(voice, "{ss ss ss}", "id", &id, "name", &name, "lang", &lang);
+        json_array_append_new(list, json_pack("{ss so ss}", "id", id, "name",
+                                              json_sprintf("%s (%s)", name, lang), "lang", lang));
+    }
+    json_decref(own);
+    return json_pack("{so}", "voices", list);
+}
+
+json_t *openai_models(const struct api *api) {
+    json_t *list = json_array();
+    (void)api;
+    for (size_t i = 0; i < sizeof usual_models / sizeof *usual_models; i++)
+        json_array_append_new(list,
+                              json_pack("{ss ss ss si ss}", "id", usual_models[i], "name", usual_models[i],
+                                        "object", "model", "created", 0, "owned_by", "faccia"));
+    return list;
+}
 
 /* Answers with the daemon's own error, extended by {"error":{"message","type","param","code"}}. */
 static int refuse(struct exchange *x, const struct error *e) {

@@ -9,8 +9,14 @@ static json_t *voices(const struct api *api) {
     return json_pack("{so}", "voices", message_voices(api));
 }
 
+/* The heads, and for clients of OpenAI's API its models of speech. */
 static json_t *models(const struct api *api) {
-    return json_pack("{so}", "models", message_models(api));
+    return json_pack("{so ss so}", "models", message_models(api), "object", "list", "data",
+                     openai_models(api));
+}
+
+static json_t *audio_models(const struct api *api) {
+    return json_pack("{so}", "models", openai_models(api));
 }
 
 static json_t *expressions(const struct api *api) {
@@ -82,6 +88,8 @@ static const struct route {
      .post = speech_ask,
      .right = RIGHT_SPEAK,
      .members = &speech_members},
+    {.path = "/v1/audio/voices", .document = openai_voices, .members = &none},
+    {.path = "/v1/audio/models", .document = audio_models, .members = &none},
     {.path = "/v1/audio/speech", .post = openai_speech, .right = RIGHT_SPEAK, .members = &none},
     {.path = "/v1/coach", .post = coach_ask, .right = RIGHT_SPEAK, .members = &coach_members},
     {.path = "/v1/films",

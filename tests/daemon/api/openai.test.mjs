@@ -26,6 +26,7 @@ const speak = async (more) => {
   const answer = await client.audio.speech.create({ model: 'tts-1', voice: 'alloy', input: 'The train leaves at **noon**.', ...more });
   return { type: answer.headers.get('content-type'), data: Buffer.from(await answer.arrayBuffer()) };
 };
+const list = async (path) => (await daemon.get(path)).json();
 const seconds = (pcm) => pcm.length / 2 / 24000;
 
 test('each format of the client, mp3 if it names none', async () => {
@@ -39,6 +40,19 @@ test('each format of the client, mp3 if it names none', async () => {
   const wav = await speak({ response_format: 'wav' }), pcm = await speak({ response_format: 'pcm' });
   const expected = (wav.data.length - 44) / 2 / wav.data.readUInt32LE(24);
   assert.ok(expected > 0.8 && Math.abs(seconds(pcm.data) - expected) < 0.01, `${seconds(pcm.data)} s of ${expected}`);
+});
+
+test('what clients choose from: models, voices; each can be spoken with', async () => {
+  assert.deepEqual((await client.models.list()).data.map(({ id, object }) => [id, object]), ['tts-1', 'tts-1-hd', 'gpt-4o-mini-tts'].map((id) => [id, 'model']));
+  const { models } = await list('/v1/audio/models'), { voices } = await list('/v1/audio/voices');
+  assert.ok(models.some(({ id }) => id === 'tts-1'));
+  const own = (await list('/v1/voices')).voices;
+  assert.deepEqual(voices.filter(({ lang }) => lang).map(({ id }) => id), own.map(({ id }) => id));
+  assert.ok(voices.every(({ id, name }) => id && name));
+  for (const voice of ['alloy', 'verse', own.find(({ lang }) => lang === 'tr').id]) {
+    assert.ok(voices.some(({ id }) => id === voice), voice);
+    assert.ok((await speak({ voice, response_format: 'pcm' })).data.length > 10000, voice);
+  }
 });
 
 test('aac: ffmpeg hears the sound of the wav', async () => {
@@ -65,7 +79,7 @@ test('json: words and visemes with their times; Markdown is not said', async () 
 
 test('voices by gender, by their own name, and as objects', async () => {
   const voice = async (name) => JSON.parse((await speak({ response_format: 'json', voice: name })).data).voice;
-  const { voices } = await (await daemon.get('/v1/voices')).json();
+  const { voices } = await list('/v1/voices');
   const gender = (id) => voices.find((each) => each.id === id).gender;
   assert.equal(gender(await voice('nova')), 'female');
   assert.equal(gender(await voice('onyx')), 'male');
