@@ -2,7 +2,7 @@
 const browser = Object.fromEntries(
   `AbortController AbortSignal indexedDB Audio AudioContext CSS CSSStyleSheet devicePixelRatio DOMPoint Event EventTarget Highlight NodeFilter caches Element getSelection scrollTo self navigator IntersectionObserver AudioWorkletNode Blob CustomEvent HTMLElement MutationObserver Option ResizeObserver
    TextDecoder TextEncoder URL URLSearchParams WebSocket getComputedStyle history localStorage sessionStorage ImageData btoa
-  addEventListener Worker atob cancelAnimationFrame clearInterval clearTimeout console createImageBitmap customElements document
+  addEventListener DOMMatrix Worker atob cancelAnimationFrame clearInterval clearTimeout console createImageBitmap customElements document
   fetch globalThis matchMedia location performance queueMicrotask removeEventListener requestAnimationFrame setInterval setTimeout`
     .split(/\s+/)
     .map((name) => [name, 'readonly']),

@@ -25,7 +25,7 @@ static const struct {
 enum { FORMATS = sizeof formats / sizeof *formats };
 
 static const char *const views[] = {"portrait", "face", "bust", "mouth", NULL};
-static const char *const qualities[] = {"low", "fine", "high", NULL};
+static const char *const qualities[] = {"low", "fine", "high", "pictures", NULL};
 static const char *const captions[] = {"burn", "track", NULL};
 
 /* The members of an order beside those of the speech. */
@@ -228,6 +228,15 @@ static int suit_voice(const struct api *api, struct speech_request *request, con
     return failed ? -1 : 0;
 }
 
+/* The head that is named, or the first, has what the quality wants. */
+static int check_pictures(const struct order *o, const char *name, struct error *e) {
+    const struct heads *heads = &exchange_api(o->x)->heads;
+    const struct model *model = name ? heads_find(heads, name) : heads->list;
+    return o->given[QUALITY] && !strcmp(o->given[QUALITY], "pictures") && !(model && model->pictures)
+               ? error_in_field(e, ERROR_BAD_FIELD, "quality", "the head has no set of pictures")
+               : 0;
+}
+
 static int read_order(struct order *o, struct speech_request *request, struct error *e) {
     struct api *api = exchange_api(o->x);
     struct command_call call = {.api = api, .request = request};
@@ -245,6 +254,8 @@ static int read_order(struct order *o, struct speech_request *request, struct er
     const char *partner = o->given[PARTNER];
     if (partner && !heads_find(&api->heads, partner))
         return error_in_field(e, ERROR_UNKNOWN_MODEL, "partner", "no head '%.60s'", partner);
+    if (check_pictures(o, o->given[MODEL], e) || (partner && check_pictures(o, partner, e)))
+        return -1;
     return request->open ? error_in_field(e, ERROR_BAD_FIELD, "open", "a film is made of a whole text") : 0;
 }
 

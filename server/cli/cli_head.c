@@ -6,15 +6,21 @@
 #include <glob.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include <zlib.h>
 
-static json_t *head_at(const char *file) {
-    json_t *head = json_load_file(file, 0, NULL);
-    const char *format = json_string_value(json_object_get(head, "format"));
-    if (format && !strcmp(format, "faccia-head"))
-        return head;
-    json_decref(head);
+/* Reads a file of this format, or returns NULL. */
+static json_t *model_at(const char *file, const char *format) {
+    json_t *model = json_load_file(file, 0, NULL);
+    const char *own = json_string_value(json_object_get(model, "format"));
+    if (own && !strcmp(own, format))
+        return model;
+    json_decref(model);
     return NULL;
+}
+
+static json_t *head_at(const char *file) {
+    return model_at(file, "faccia-head");
 }
 
 json_t *cli_head_find(const struct settings *settings, const char *option, const char *name,
@@ -23,8 +29,17 @@ json_t *cli_head_find(const struct settings *settings, const char *option, const
     glob_t found;
     json_t *best = NULL;
     const char *wanted = name ? name : "*";
+    size_t length = strlen(wanted);
+    if (strchr(wanted, '/') || (length > 5 && !strcmp(wanted + length - 5, ".json"))) {
+        snprintf(file, PATH_MAX, "%s", wanted);
+        best = head_at(wanted);
+        if (!best)
+            cli_complain("%s: %s: %s", option, wanted,
+                         access(wanted, R_OK) ? strerror(errno) : "this is not a head model");
+        return best;
+    }
     snprintf(pattern, sizeof pattern, "%s/heads/%s.json", settings->models, wanted);
-    if (strchr(wanted, '/') || (name && strpbrk(name, "*?[")) || glob(pattern, 0, NULL, &found)) {
+    if ((name && strpbrk(name, "*?[")) || glob(pattern, 0, NULL, &found)) {
         cli_complain("%s: unknown head '%s'; 'faccia models' lists them", option, wanted);
         return NULL;
     }
@@ -52,6 +67,24 @@ static bool is_given(const struct speech_request *request, const char *name) {
         if (!strcmp(request_field(i), name))
             return request_get(request, i, &value);
     return false;
+}
+
+int cli_head_pictures(const struct settings *settings, const json_t *head, char file[PATH_MAX]) {
+    const char *name = json_string_value(json_object_get(head, "name"));
+    snprintf(file, PATH_MAX, "%s/pictures/%s.json", settings->models, name ? name : "");
+    if (!access(file, R_OK))
+        return 0;
+    cli_complain("%s: %s: this head has no set of pictures", file, strerror(errno));
+    return -1;
+}
+
+int cli_pictures_check(const char *option, const char *file) {
+    json_t *set = model_at(file, "faccia-pictures");
+    if (!set)
+        cli_complain("%s: %s: %s", option, file,
+                     access(file, R_OK) ? strerror(errno) : "this is not a set of pictures");
+    json_decref(set);
+    return set ? 0 : -1;
 }
 
 void cli_head_suit(struct speech_request *request, const json_t *head) {

@@ -483,17 +483,29 @@ static int shoot(struct film *f, const char *head, const char *partner,
     return f->failed ? EXIT_FAILED : EXIT_DONE;
 }
 
-static int run(struct film *f, struct speech_request *request) {
-    char head[PATH_MAX] = "", partner[PATH_MAX] = "";
-    json_t *model = check_programs() ? NULL : cli_head_find(f->settings, "--model", f->o.model, head);
+/* Finds what is filmed, and the voice that suits it. -1 after a message. */
+static int cast(struct film *f, struct speech_request *request, char head[PATH_MAX], char partner[PATH_MAX]) {
+    if (f->o.pictures) {
+        snprintf(head, PATH_MAX, "%s", f->o.pictures);
+        return cli_pictures_check("--pictures", head);
+    }
+    json_t *model = cli_head_find(f->settings, "--model", f->o.model, head);
     json_t *other =
         model && f->o.partner ? cli_head_find(f->settings, "--partner", f->o.partner, partner) : NULL;
     bool found = model && (other || !f->o.partner);
     if (found)
         cli_head_suit(request, model);
+    if (found && f->o.as_pictures)
+        found = !cli_head_pictures(f->settings, model, head) &&
+                (!other || !cli_head_pictures(f->settings, other, partner));
     json_decref(model);
     json_decref(other);
-    if (!found)
+    return found ? 0 : -1;
+}
+
+static int run(struct film *f, struct speech_request *request) {
+    char head[PATH_MAX] = "", partner[PATH_MAX] = "";
+    if (check_programs() || cast(f, request, head, partner))
         return EXIT_FAILED;
     int status = f->o.visemes      ? pose_visemes(f)
                  : f->o.expression ? pose_expression(f)

@@ -27,8 +27,10 @@ static const char usage[] =
     "                       --visemes: #dfe3e8); transparent: not .mp4\n"
     "      --view portrait|face|bust|mouth\n"
     "                       what is seen of the head (portrait)\n"
-    "      --quality low|fine|high\n"
-    "                       of drawing; high: soft edges, slower (fine)\n"
+    "      --quality low|fine|high|pictures\n"
+    "                       of drawing; high: soft edges, slower (fine); pictures: the head's set of\n"
+    "                       pictures, as on devices that cannot draw a head\n"
+    "      --pictures FILE  films a set of pictures (models/tools/pictures makes them of photographs)\n"
     "      --captions burn|track\n"
     "                       the words as captions: in the picture, or beside it (.mp4, .webm)\n"
     "      --lossless       keeps every pixel and every sample of the sound (.mp4; few players read it)\n"
@@ -81,9 +83,10 @@ static int take_view(struct film_options *f, const char *text) {
 }
 
 static int take_quality(struct film_options *f, const char *text) {
-    static const char *const levels[] = {"low", "fine", "high", NULL};
-    int i = choose("--quality", text, levels, "low, fine or high");
+    static const char *const levels[] = {"low", "fine", "high", "pictures", NULL};
+    int i = choose("--quality", text, levels, "low, fine, high or pictures");
     f->level = i < 0 ? NULL : levels[i];
+    f->as_pictures = i == 3;
     return i < 0 ? EXIT_USAGE : -1;
 }
 
@@ -146,6 +149,7 @@ enum {
     BACKGROUND,
     VIEW,
     QUALITY,
+    PICTURES,
     CAPTIONS,
     LOSSLESS,
     AT,
@@ -184,6 +188,9 @@ static int take_own(struct film_options *f, int option, char *text) {
         return take_view(f, text);
     case QUALITY:
         return take_quality(f, text);
+    case PICTURES:
+        f->pictures = text;
+        return -1;
     case CAPTIONS:
         return take_captions(f, text);
     case LOSSLESS:
@@ -234,6 +241,8 @@ static int check(const struct film_options *f, const struct speech_request *requ
         return refuse("--library: name the passage (--passage WORK), and its folder");
     if (f->library && f->from)
         return refuse("--passage: --from films a recorded face");
+    if (f->pictures && (f->model || f->partner || (f->level && !f->as_pictures)))
+        return refuse("--pictures: it takes the place of --model, and has one quality");
     if (f->visemes &&
         (f->from || f->library || f->partner || f->at >= 0 || f->captions || f->format != FILM_STILL))
         return refuse("--visemes: a sheet is one .png, of nothing else");
@@ -275,6 +284,7 @@ int film_options_read(int argc, char **argv, struct film_options *f, struct spee
         {"background", 1, NULL, BACKGROUND},
         {"view", 1, NULL, VIEW},
         {"quality", 1, NULL, QUALITY},
+        {"pictures", 1, NULL, PICTURES},
         {"captions", 1, NULL, CAPTIONS},
         {"lossless", 0, NULL, LOSSLESS},
         {"at", 1, NULL, AT},

@@ -9,10 +9,10 @@
 struct film_options {
     /* NULL = not given */
     const char *output, *model, *partner, *background, *view, *level, *from, *library, *passage, *audio,
-        *words, *visemes, *expression;
-    unsigned width, height; /* pixels; 0 = not given */
-    double at;              /* negative: the whole */
-    bool lossless, transparent;
+        *words, *visemes, *expression, *pictures;
+    unsigned width, height;                  /* pixels; 0 = not given */
+    double at;                               /* negative: the whole */
+    bool lossless, transparent, as_pictures; /* the head's set of pictures is filmed */
     enum film_format format;
     enum film_captions captions;
     bool fps_given;

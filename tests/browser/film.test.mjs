@@ -46,10 +46,10 @@ function pictures(file, bytes, { format = 'rgb24', decoder = [] } = {}) {
 }
 
 /** The inside of the mouth in the view `mouth`: pixels much darker than lips. */
-function dark(picture) {
+function dark(picture, [top, bottom, left, right] = [40, 90, 45, 115]) {
   let count = 0;
-  for (let y = 40; y < 90; y++)
-    for (let x = 45; x < 115; x++) {
+  for (let y = top; y < bottom; y++)
+    for (let x = left; x < right; x++) {
       const i = 3 * (160 * y + x);
       count += picture[i] + picture[i + 1] + picture[i + 2] < 220;
     }
@@ -154,6 +154,58 @@ test('each quality fills the picture with the same head', () => {
   const apart = (a, b) => a.reduce((sum, value, i) => sum + Math.abs(value - b[i]), 0) / a.length;
   assert.ok(apart(low, fine) < 8 && apart(high, fine) < 8, `${apart(low, fine)} ${apart(high, fine)}`);
   assert.ok(!low.equals(fine) && !high.equals(fine));
+});
+
+test('a set of pictures is filmed in the place of its head, on each background, and a file of a head or a set is', () => {
+  const apart = (a, b) => a.reduce((sum, value, i) => sum + Math.abs(value - b[i]), 0) / a.length;
+  const one = (name, ...args) => {
+    film(name, ...SAID, '--at', '0.2', ...SMALL, ...args, TEXT);
+    return pictures(name, 160 * 120 * 4, { format: 'rgba' })[0];
+  };
+  const head = one('as-head.png', '--model', 'mara', '--background', 'skyblue');
+  const set = one('as-set.png', '--model', 'mara', '--background', 'skyblue', '--quality', 'pictures');
+  assert.ok(apart(head, set) < 8 && !head.equals(set), `${apart(head, set)}`);
+  const blue = [0, 159].map((x) => [...set.subarray(4 * x, 4 * x + 4)]);
+  assert.deepEqual(blue, Array(2).fill([135, 206, 235, 255]));
+  const own = one('own.png', '--pictures', path.join(build, 'models/pictures/mara.json'), '--background', 'skyblue');
+  assert.ok(own.equals(set));
+  assert.ok(one('file.png', '--model', path.join(build, 'models/heads/mara.json'), '--background', 'skyblue').equals(head));
+  const clear = one('clear.png', '--model', 'mara', '--background', 'transparent', '--quality', 'pictures');
+  assert.equal(clear[3], 0);
+  const middle = 4 * (160 * 60 + 80);
+  assert.deepEqual(clear.subarray(middle, middle + 4), set.subarray(middle, middle + 4));
+  // where the head lets light through, the same colour stands before it
+  const soft = Array.from({ length: 160 * 120 }, (_, i) => 4 * i).filter((i) => clear[i + 3] > 100 && clear[i + 3] < 250);
+  assert.ok(soft.length > 20, `${soft.length}`);
+  for (const i of soft) for (let k = 0; k < 3; k++) {
+    const share = clear[i + 3] / 255;
+    assert.ok(Math.abs(clear[i + k] * share + [135, 206, 235][k] * (1 - share) - set[i + k]) < 6, `${i}`);
+  }
+});
+
+test('a set of pictures moves its lips as the score does, once for each picture', () => {
+  film('set.mp4', ...SAID, '--model', 'mara', '--view', 'mouth', '--quality', 'pictures', '--lossless', ...SMALL, TEXT);
+  const shown = pictures('set.mp4', 160 * 120 * 3), { fps, frames } = said.face;
+  assert.equal(shown.length, frames.length);
+  assert.ok(sound('set.mp4').equals(said.wav.subarray(44)));
+  const during = (ipa) => said.phones.filter((phone) => phone.ipa === ipa).map(({ start, end }) => dark(shown[Math.round(((start + end) / 2) * fps)], [42, 65, 62, 98]));
+  assert.ok(Math.min(...during('a')) > Math.max(...during('m')) + 4, `a ${during('a')} m ${during('m')}`);
+});
+
+test('what cannot be filmed as pictures is told', () => {
+  const refused = (...args) => faccia(['film', '-o', at('no.png'), '--at', '0', ...args, 'Ciao.']);
+  for (const [args, pattern] of [
+    [['--pictures', at('missing.json')], /--pictures: .*missing\.json: No such file/],
+    [['--pictures', path.join(build, 'models/heads/mara.json')], /--pictures: .*mara\.json: this is not a set of pictures/],
+    [['--model', path.join(build, 'models/pictures/mara.json')], /--model: .*mara\.json: this is not a head model/],
+    [['--model', at('missing.json')], /--model: .*missing\.json: No such file/],
+    [['--pictures', 'x.json', '--model', 'mara'], /--pictures: it takes the place of --model/],
+    [['--pictures', 'x.json', '--quality', 'low'], /--pictures: it takes the place of --model, and has one quality/],
+  ]) {
+    const { status, stderr } = refused(...args);
+    assert.notEqual(status, 0);
+    assert.match(stderr, pattern);
+  }
 });
 
 const PLAY = `<TEI xmlns="http://www.tei-c.org/ns/1.0"><teiHeader><fileDesc><titleStmt><title>La barca</title></titleStmt><publicationStmt><p/></publicationStmt>

@@ -5,9 +5,11 @@
  * in, the lowest line first); an empty message is a picture like the one before. The answer is the number of pictures taken.
  */
 import { FAP_VALUES, FaceTrack } from '../element/face/face-track.mjs';
+import { isPictures } from '../element/pictures/set.mjs';
 import { roomImage } from './backdrop.mjs';
 import { Duet, readWords } from './duet.mjs';
 import { moments } from './moments.mjs';
+import { PicturesPlace } from './pictures-place.mjs';
 import { Place } from './place.mjs';
 
 const ROOM = 'room'; // a background
@@ -64,6 +66,12 @@ function trackOf(bytes, rate) {
   return track;
 }
 
+/** A head, or a set of pictures, in its part of the width. @param {string} name of its file */
+async function openPlace(job, background, name, left, width) {
+  const model = await json(name);
+  return (isPictures(model) ? PicturesPlace : Place).open(job, background, model, left, width);
+}
+
 /** Draws the pictures of a film, and hands them on. */
 class Film {
   /** @param {WebSocket} socket */
@@ -87,9 +95,8 @@ class Film {
     const background = await backgroundOf(job);
     const middle = job.width >> 1;
     this.places = job.pair
-      ? [await Place.open(job, background, await json('model.json'), 0, middle),
-        await Place.open(job, background, await json('partner.json'), middle, job.width - middle)]
-      : [await Place.open(job, background, await json('model.json'), 0, job.width)];
+      ? [await openPlace(job, background, 'model.json', 0, middle), await openPlace(job, background, 'partner.json', middle, job.width - middle)]
+      : [await openPlace(job, background, 'model.json', 0, job.width)];
     this.whole = job.pair ? new Uint8Array(4 * job.width * job.height) : null;
     const facesAt = await this.#faces(job);
     const pending = []; // pictures that are being drawn, by place

@@ -6,7 +6,9 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, describe, test } from 'node:test';
+import { unpack } from '../../../models/tools/lib/deform.mjs';
 import { ordinary, root } from '../../lib/daemon.mjs';
+import { openStudio } from '../../lib/photographs.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-theses-'));
 after(() => fs.rmSync(folder, { recursive: true }));
@@ -44,6 +46,15 @@ before(() => {
   put('answers.csv', `listener,mode,snr,correct\n${['a', 'b'].flatMap((who) => ['audio', 'face'].flatMap((mode, m) => [0, 1, 2].map((k) => `${who},${mode},-12,${Number(k < m + (who === 'a'))}`))).join('\n')}\n`);
 });
 
+/* Photographs of a few mouths, for a set of pictures. */
+before(async () => {
+  const take = await openStudio(unpack(JSON.parse(fs.readFileSync(path.join(ordinary, 'models/heads/rosa.json'), 'utf8'))));
+  const { poses } = JSON.parse(fs.readFileSync(path.join(root, 'models/pictures/poses.json'), 'utf8'));
+  fs.mkdirSync(path.join(folder, 'photographs'));
+  for (const name of ['rest', 'p1', 'u', 'a', 'i1', 't1', 'o', 'e', 'f2'])
+    fs.writeFileSync(path.join(folder, 'photographs', `${name}.png`), await take(poses.find((pose) => pose.name === name).faps));
+});
+
 test('the table has all three theses', () => {
   assert.ok(rows.length >= 20, `${rows.length} rows`);
   assert.deepEqual([...new Set(rows.map(({ thesis }) => thesis))], ['000', '001', '002']);
@@ -58,7 +69,7 @@ describe('each row', () => {
       const shell = command.replace(/(^|&& )faccia /g, `$1"${path.join(ordinary, 'server/cli/faccia')}" --models "${path.join(ordinary, 'models')}" `);
       const { status, stdout, stderr } = spawnSync('sh', ['-c', shell], { cwd: folder, encoding: 'utf8', maxBuffer: 1 << 26 });
       assert.equal(status, 0, `${stderr.slice(0, 2000)}${stdout.slice(0, 500)}`);
-      for (const [, output] of command.matchAll(/ (?:--wav|--fap|--svg|-o) ([\w-]+\.(?:wav|fap|svg|html|json|csv|wrl))/g)) assert.ok(fs.statSync(path.join(folder, output)).size > 40, output);
+      for (const [, output] of command.matchAll(/ (?:--wav|--fap|--svg|-o) ([\w-]+\.(?:wav|fap|svg|html|json|csv|wrl|png))/g)) assert.ok(fs.statSync(path.join(folder, output)).size > 40, output);
       const picture = cells.find((cell) => /\.(svg|png|webp)$/.test(cell ?? ''));
       if (!picture) return;
       if (picture.startsWith('build/test-artefacts/')) assert.ok(fs.readFileSync(path.join(root, 'tests', named), 'utf8').includes(path.basename(picture)), `${named} takes ${picture}`);

@@ -4,6 +4,7 @@ import { decodePictures } from './set.mjs';
 const ROOM = 1.4; // round the mouth, in the view `mouth`
 const SWAY = 0.5; // of what a turn of the head would move the face: the shoulders, which stand, move along
 const AU = 1e-5; // radians
+const SHARP = 0.005; // of the place's width: sides that end so near to it stay as they are
 const SIDES = 0.12; // of the picture's width, over which shoulders fade where the place is wider than the picture
 
 /**
@@ -14,6 +15,7 @@ export class PicturesView {
   name = 'pictures'; // in place of a level of quality
   software = true;
   framing = null;
+  soft = null; // shares of its place's width, see #soften
 
   /** @param {HTMLCanvasElement} canvas */
   constructor(canvas) {
@@ -37,16 +39,19 @@ export class PicturesView {
     this.#soften();
   }
 
-  /** Makes the sides of a picture soft that ends in the middle of the shoulders, where the place is wider. */
+  /**
+   * Makes the sides of a picture soft that ends in the middle of the shoulders, where the place is wider: `soft` says where in
+   * its width they begin, and where they are whole.
+   */
   #soften() {
     const { canvas, shown, size } = this;
     if (!shown) return;
     const drawn = Math.min(size.width, (size.height * shown.width) / shown.height);
-    const beside = this.head.framed ? 0 : (100 * (size.width - drawn)) / 2 / size.width;
-    const faded = beside + (100 * SIDES * drawn) / size.width;
-    const at = (percent) => `${percent.toFixed(2)}%`;
-    canvas.style.maskImage =
-      beside < 0.5 ? '' : `linear-gradient(90deg, transparent ${at(beside)}, #000 ${at(faded)} ${at(100 - faded)}, transparent ${at(100 - beside)})`;
+    const beside = this.head.framed ? 0 : (size.width - drawn) / 2 / size.width;
+    this.soft = beside < SHARP ? null : { beside, faded: beside + (SIDES * drawn) / size.width };
+    const at = (share) => `${(100 * share).toFixed(2)}%`;
+    const { beside: from, faded: to } = this.soft ?? {};
+    canvas.style.maskImage = this.soft ? `linear-gradient(90deg, transparent ${at(from)}, #000 ${at(to)} ${at(1 - to)}, transparent ${at(1 - from)})` : '';
   }
 
   setLevel() {} // there is one
@@ -54,15 +59,16 @@ export class PicturesView {
   draw() {
     const { canvas, context, head } = this;
     if (!head) return;
-    const shown = this.framing === 'mouth' ? head.mouth : head.whole;
-    if (this.shown !== shown) {
+    const mouth = this.framing === 'mouth';
+    const shown = mouth ? head.mouthIn(this.size) : head.whole;
+    if (this.shown?.x !== shown.x || this.shown.width !== shown.width || this.shown.height !== shown.height) {
       this.shown = shown;
       Object.assign(canvas, { width: shown.width, height: shown.height });
       context.translate(-shown.x, -shown.y);
       head.begin(context);
       this.#soften();
     } else head.draw(context);
-    const transform = shown === head.whole ? this.#placed() : '';
+    const transform = mouth ? '' : this.#placed();
     if (canvas.style.transform !== transform) canvas.style.transform = transform;
   }
 
@@ -133,6 +139,14 @@ export class Pictures {
     this.turned = [0, 0, 0]; // to the right and down, in its pixels, and about its pivot
     this.changed = false;
     this.setFaps(new Float32Array(69));
+  }
+
+  /** The mouth, and what is beside it as far as its place has room. @param {{width: number, height: number}} place */
+  mouthIn({ width, height }) {
+    const { mouth, whole } = this;
+    const wide = Math.min(whole.width, Math.max(mouth.width, Math.round((mouth.height * width) / height)));
+    const x = Math.round(mouth.x + (mouth.width - wide) / 2);
+    return { ...mouth, width: wide, x: Math.min(whole.width - wide, Math.max(0, x)) };
   }
 
   /** @param {ArrayLike<number>} faps by number */
