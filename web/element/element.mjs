@@ -19,6 +19,7 @@ import { Turns } from './speech/turns.mjs';
 const LINK_ATTRIBUTES = ['src', 'audio', 'room', 'token', 'watch'];
 const PLAY_EVENTS = ['connection', 'begin', 'end', 'paused', 'resumed']; // after which the button for a recording may differ
 const MODEL_ATTRIBUTES = ['model', 'avatar', 'avatar-map', 'pictures', 'quality'];
+const BEAT_MS = 1000; // between pictures of a still face that is captured
 const MOVE_MS = 100; // grace period outside the page before it closes: frameworks move elements
 
 let said = 0; // words that were sent
@@ -454,10 +455,17 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
 
   /**
    * The picture and the sound as tracks, to be recorded or sent on. The sound is that of all heads of the page; there is none
-   * where the browser has no audio. @param {number} fps at most @returns {MediaStream}
+   * where the browser has no audio. A face that keeps still is sent once a second, for those who come later.
+   * @param {number} fps at most @returns {MediaStream}
    */
   captureStream(fps = 25) {
     const stream = this.#controls.canvas.captureStream(fps);
+    const kept = new WeakRef(stream.getVideoTracks()[0]);
+    const beat = setInterval(() => {
+      const track = kept.deref();
+      if (track?.readyState === 'live') this.#presentation.stage.wake();
+      else clearInterval(beat);
+    }, BEAT_MS);
     for (const track of captureOutput()?.getTracks() ?? []) stream.addTrack(track);
     return stream;
   }

@@ -86,3 +86,23 @@ test('the face and the voice arrive by WHIP', async () => {
   await sender.evaluate(() => window.stopLive());
   assert.deepEqual([asked.at(-1).method, asked.at(-1).url], ['DELETE', '/sessions/1']);
 });
+
+test('a face that keeps still is sent on, once a second', async () => {
+  const page = await browser.newPage({ viewport: { width: 320, height: 240 }, reducedMotion: 'reduce' });
+  await page.goto(`http://127.0.0.1:${server.address().port}/`);
+  await page.waitForFunction(() => document.querySelector('talking-head').debug?.().frames > 0, null, { timeout: 180000 });
+  const pictures = await page.evaluate(async () => {
+    const [track] = document.querySelector('talking-head').captureStream(25).getVideoTracks();
+    const reader = new MediaStreamTrackProcessor({ track }).readable.getReader();
+    const times = [];
+    while (times.length < 3) {
+      const { value } = await reader.read();
+      times.push(performance.now());
+      value.close();
+    }
+    track.stop();
+    return times.length;
+  });
+  assert.equal(pictures, 3); // the test waits for them
+  await page.close();
+});
