@@ -93,7 +93,7 @@ test('a face that keeps still is sent on, once a second', async () => {
   await page.waitForFunction(() => document.querySelector('talking-head').debug?.().frames > 0, null, { timeout: 180000 });
   const pictures = await page.evaluate(async () => {
     const [track] = document.querySelector('talking-head').captureStream(25).getVideoTracks();
-    const reader = new MediaStreamTrackProcessor({ track }).readable.getReader();
+    const reader = new window.MediaStreamTrackProcessor({ track }).readable.getReader();
     const times = [];
     while (times.length < 3) {
       const { value } = await reader.read();
