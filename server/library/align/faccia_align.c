@@ -304,7 +304,6 @@ static int run(struct align *a, const struct settings *settings) {
     struct buf script = {0};
     struct times times = {0};
     struct error e;
-    char text[400];
     int result = -1;
     snprintf(reference.worker, sizeof reference.worker, "%s", settings->voices.worker);
     reference.unconfined = settings->voices.unconfined;
@@ -322,7 +321,7 @@ static int run(struct align *a, const struct settings *settings) {
             .reference = &reference};
         a->reading = aligned_recording_open(&options, &e);
         if (!a->reading)
-            cli_complain("%s", error_text(&e, text, sizeof text));
+            cli_complain_at(a->text, false, &e); /* only the text's errors have a place */
         else if (!a->reading->tokens.count && !a->timing)
             cli_complain("%s: contains no words", a->text);
         else

@@ -283,7 +283,7 @@ test('reports wrong usage and invalid files', () => {
     [[sound, '--text', file('none')], 1, /none: No such file/],
     [[file('none.wav'), '--text', text], 1, /none\.wav: .*No such file/],
     [[text, '--text', text], 1, /ok\.txt: /],
-    [[sound, '--text', write('bytes.txt', Buffer.from([65, 0xff]))], 1, /byte 1: the text is not UTF-8/],
+    [[sound, '--text', write('bytes.txt', Buffer.from([65, 0xff]))], 1, /^faccia: \S+bytes\.txt: byte 1: the text is not UTF-8/],
     [[sound, '--text', write('empty.txt', ' \n… —')], 1, /no words/],
     [[sound, '--timing', write('broken.TextGrid', 'File type = "ooTextFile"\nObject class = "TextGrid"\n0 1 <exists> 1\n"IntervalTier" "a" 0 1 2\n0 1 "x"\n')], 1, /broken\.TextGrid:\d+:1: expected the next interval/],
     [[sound, '--text', text, '--json', '/nowhere/x'], 1, /nowhere/],
