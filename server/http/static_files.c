@@ -8,9 +8,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include <zlib.h>
 
 enum { FILE_BYTES_MAX = 64 << 20, DEPTH_MAX = 4 };
+
+/* Bits of zlib's window size that ask for gzip's header. */
+enum { GZIP_WINDOW = MAX_WBITS + 16 };
 
 static const char *type_of(const char *path) {
     static const char *const types[][2] = {
@@ -45,6 +49,33 @@ static uint8_t *read_file(const char *path, size_t *size) {
     return data.data;
 }
 
+/* Reads FILE.gz. Returns what it unpacks to, or NULL if it is missing, damaged, or too large. */
+static uint8_t *read_packed(const char *file, size_t *size) {
+    enum { TAIL_BYTES = 8, TAIL_SIZE_AT = 4 };
+    char sibling[4096];
+    size_t packed_size;
+    uint8_t *data = NULL;
+    snprintf(sibling, sizeof sibling, "%s.gz", file);
+    uint8_t *packed = read_file(sibling, &packed_size);
+    if (packed && packed_size > TAIL_BYTES) {
+        const uint8_t *told = packed + packed_size - TAIL_BYTES + TAIL_SIZE_AT; /* little-endian */
+        *size = told[0] | (size_t)told[1] << 8 | (size_t)told[2] << 16 | (size_t)told[3] << 24;
+        z_stream z = {.next_in = packed, .avail_in = (uInt)packed_size};
+        if (*size && *size <= FILE_BYTES_MAX && inflateInit2(&z, GZIP_WINDOW) == Z_OK) {
+            data = mem_alloc(*size);
+            z.next_out = data;
+            z.avail_out = (uInt)*size;
+            if (inflate(&z, Z_FINISH) != Z_STREAM_END || z.avail_out) {
+                free(data);
+                data = NULL;
+            }
+            inflateEnd(&z);
+        }
+    }
+    free(packed);
+    return data;
+}
+
 /* True for what does not get smaller: pictures and fonts are packed already, and the numbers of neural nets
  * do not shrink. */
 static bool is_packed(const char *type) {
@@ -60,7 +91,7 @@ static void pack(struct static_file *a, const char *file) {
     if (a->packed || is_packed(a->type))
         return;
     z_stream z = {0};
-    if (deflateInit2(&z, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+    if (deflateInit2(&z, 9, Z_DEFLATED, GZIP_WINDOW, 8, Z_DEFAULT_STRATEGY) != Z_OK)
         return;
     size_t cap = deflateBound(&z, a->size);
     a->packed = mem_alloc(cap);
@@ -106,8 +137,13 @@ static void add_folder(struct static_files *files, const char *folder, const cha
         char *file = found.gl_pathv[i], path[256];
         size_t length = strlen(file);
         bool is_folder = file[length - 1] == '/';
-        if (is_folder)
+        if (is_folder) {
             file[length - 1] = '\0';
+        } else if (length > 3 && !strcmp(file + length - 3, ".gz")) {
+            file[length - 3] = '\0';
+            if (!access(file, F_OK))
+                continue; /* beside FILE, which is added with it */
+        }
         const char *name = strrchr(file, '/'), *type = type_of(name);
         bool index = !strcmp(name, "/index.html");
         if ((size_t)snprintf(path, sizeof path, "%s%s", address, index ? "/" : name) >= sizeof path)
@@ -139,6 +175,8 @@ const struct static_file *static_files_add(struct static_files *files, const cha
                                            const char *file) {
     size_t size;
     uint8_t *data = read_file(file, &size);
+    if (!data)
+        data = read_packed(file, &size);
     return data ? add(files, path, type, file, data, size) : NULL;
 }
 

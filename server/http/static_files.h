@@ -23,8 +23,8 @@ struct static_files {
 };
 
 /* Adds every file of known type in the folder and its subfolders as "/NAME"; index.html gets the folder's
- * address with a trailing slash. A FILE.gz beside a file is used as its compressed form. A missing folder
- * adds nothing. */
+ * address with a trailing slash. A FILE.gz beside a file is used as its compressed form; alone it
+ * stands for FILE, too. A missing folder adds nothing. */
 void static_files_add_folder(struct static_files *files, const char *folder);
 
 /* Adds one file from disk, or bytes, whose ownership passes to `files`. NULL: the file cannot be read. */
