@@ -3,6 +3,7 @@
  * Exports a head as an avatar for other programs: a GLB with ARKit's 52 shapes, the 15 visemes and a breath as morph targets, bones, and the
  * expressions of VRM 1.0. A target is the difference between the head at the FAPs of its definition and the head at rest.
  */
+import { breathDeltas } from '../../../web/element/head/model/breath-deltas.mjs';
 import { decode } from '../lib/codec.mjs';
 import { pose } from '../lib/deform.mjs';
 import { openTexture } from '../lib/image.mjs';
@@ -165,11 +166,13 @@ function movedBy(head, part) {
 }
 
 /** @returns {Float64Array|null} the positions with full lungs (protocol/head-model.md); null: as at rest */
-export function breathe(head, { breath }, rest) {
+function breathe(head, { breath }, rest) {
   if (!breath || !head.breath) return null;
-  const weights = decode('uint8', breath.weights);
+  const deltas = breathDeltas(decode('uint8', breath.weights), head.breath.shift);
   const out = Float64Array.from(rest);
-  decode('uint16', breath.vertices).forEach((v, i) => head.breath.shift.forEach((mm, k) => (out[3 * v + k] += (mm * weights[i]) / 255)));
+  decode('uint16', breath.vertices).forEach((v, i) => {
+    for (let k = 0; k < 3; k++) out[3 * v + k] += deltas[3 * i + k];
+  });
   return out;
 }
 

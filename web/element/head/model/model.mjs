@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+import { breathDeltas } from './breath-deltas.mjs';
 import { pictureTrouble } from './picture-size.mjs';
 import { checkModel, ModelError } from './check.mjs';
 import { readOnce, shared } from './cache.mjs';
@@ -38,8 +39,7 @@ export const BREATH = 0;
 
 /** The move of a part that a breath makes. @returns {Move[]} */
 function breathMoves({ vertices, weights }, { shift }) {
-  const shares = bytes(weights);
-  const deltas = Float32Array.from({ length: 3 * shares.length }, (_, i) => (shift[i % 3] * shares[(i - (i % 3)) / 3]) / 255);
+  const deltas = Float32Array.from(breathDeltas(bytes(weights), shift));
   return [{ fap: BREATH, sign: 'both', from: 0, vertices: list(vertices), deltas }];
 }
 
