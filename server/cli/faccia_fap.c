@@ -9,7 +9,6 @@
 #include "server/cli/face_capture.h"
 #include "server/cli/fap_file.h"
 #include "server/cli/fap_fit.h"
-#include "server/cli/lip_capture.h"
 #include "server/cli/puppet_capture.h"
 #ifdef HAVE_BRIDGES
 #include "server/cli/room_drive.h"

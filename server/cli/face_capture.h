@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Recordings of a person's face by ARKit, as Live Link Face writes them (CSV). */
+/* Recordings of a person's face: by ARKit, as Live Link Face writes them (CSV), and of the lips. */
 #ifndef FACCIA_CLI_FACE_CAPTURE_H
 #define FACCIA_CLI_FACE_CAPTURE_H
 
 #include "protocol/fapfile.h"
 #include "server/base/buf.h"
 #include "server/codec/arkit_weights.h"
+#include <stdbool.h>
 
 /* Limits the memory that a recording takes: five hours at 60 frames a second. */
 enum { CAPTURE_ROWS_MAX = 1 << 20 };
@@ -31,5 +32,14 @@ struct capture_error {
  * result, 0 = as the timecodes. The caller frees out. */
 int capture_read(const char *text, size_t size, double rate, double fps, struct fapfile *out,
                  struct capture_error *error);
+
+/* ---- lips over time, as `faccia head lips` measures them on markers or pictures (models/lips.md) ---- */
+
+/* Whether the first line names such curves. */
+bool lip_capture_is(const char *text, size_t size);
+
+/* Reads the curves. fps: of the result, 0 = by their shortest step. The caller frees out. */
+int lip_capture_read(const char *text, size_t size, double fps, struct fapfile *out,
+                     struct capture_error *error);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/cli/lip_capture.h"
 #include "server/base/mem.h"
 #include "server/cli/capture_text.h"
+#include "server/cli/face_capture.h"
 #include "server/face/engines/fapmap.h"
 #include <math.h>
 #include <stdlib.h>

@@ -2,8 +2,7 @@
 #include "server/markup/dialogue.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/markup/dialogue_asides.h"
-#include "server/markup/dialogue_names.h"
+#include "server/markup/dialogue_internal.h"
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>

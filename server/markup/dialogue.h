@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Dialogue in prose: what stands in quotation marks, or after a dash that begins a paragraph. A paragraph has
- * one speaker: the person whom the narrator names (dialogue_names.h), or one of two in turn; after two
+ * one speaker: the person whom the narrator names (dialogue_names.c), or one of two in turn; after two
  * paragraphs without speech the first one begins again. */
 #ifndef FACCIA_MARKUP_DIALOGUE_H
 #define FACCIA_MARKUP_DIALOGUE_H

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/markup/dialogue_asides.h"
 #include "server/base/utf8.h"
-#include "server/markup/dialogue_words.h"
+#include "server/markup/dialogue_internal.h"
 #include <stdint.h>
 #include <string.h>
 #include <utf8proc.h>

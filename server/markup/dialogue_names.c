@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/markup/dialogue_names.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/markup/dialogue_words.h"
+#include "server/markup/dialogue_internal.h"
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/markup/dialogue_words.h"
+#include "server/markup/dialogue_internal.h"
 #include <stddef.h>
 #include <string.h>
 

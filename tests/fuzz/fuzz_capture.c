@@ -3,7 +3,6 @@
  * of Live Link Face or of iFacialMocap, each with its size before it (two bytes). */
 #include "protocol/fap.h"
 #include "server/cli/face_capture.h"
-#include "server/cli/lip_capture.h"
 #include "server/cli/puppet_packet.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
