@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Bundles: bundle.md. A speech in one file, with its sound, its face, its words and perhaps its head.
-import { OPUS_RATE } from './compact.mjs';
+import { OPUS_RATE } from './chunk/compact.mjs';
 import { readFapcFile } from './fapc/fapcfile.mjs';
 import { readOggOpus } from './ogg.mjs';
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Reads Opus in Ogg (RFC 3533, RFC 7845): one stream, mono, packets of 20 ms, as faccia writes it.
-import { OPUS_PACKET_SAMPLES } from './compact.mjs';
+import { OPUS_PACKET_SAMPLES } from './chunk/compact.mjs';
 
 const PAGE_BYTES = 27; // of a page's header, before the table of segments
 const [CONTINUED, FIRST, LAST] = [1, 2, 4]; // flags of a page

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/codec/media_encoder.h"
-#include "protocol/chunk.h"
-#include "protocol/compact.h"
+#include "protocol/chunk/chunk.h"
+#include "protocol/chunk/compact.h"
+#include "protocol/chunk/packed.h"
 #include "protocol/fapc/fapc.h"
-#include "protocol/packed.h"
 #include "server/base/mem.h"
 #include "server/base/suggest.h"
 #include "server/codec/coder_pool.h"

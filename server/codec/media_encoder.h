@@ -5,7 +5,7 @@
 #ifndef FACCIA_CODEC_MEDIA_ENCODER_H
 #define FACCIA_CODEC_MEDIA_ENCODER_H
 
-#include "protocol/chunk.h"
+#include "protocol/chunk/chunk.h"
 #include "server/base/buf.h"
 #include "server/base/error.h"
 #include "server/codec/coder_pool.h"
@@ -18,7 +18,7 @@ struct encoding {
     uint8_t audio;    /* enum chunk_audio, CHUNK_AUDIO_OPUS; CHUNK_AUDIO_SILENCE = none */
     uint8_t fap;      /* enum chunk_fap, CHUNK_FAP_FAPC; CHUNK_FAP_NONE = none */
     uint8_t kilobits; /* bit rate of Opus, kbit/s; 0 = default for the sound */
-    bool packed;      /* compact chunks carry their events: protocol/packed.h */
+    bool packed;      /* compact chunks carry their events: protocol/chunk/packed.h */
 };
 
 /* Parse the names of protocol/README.md: "opus", "pcm_s16le", "none"; "fapc", "plain", "none". Return -1

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The followers of a channel, and the media encodings that they want. */
-#include "protocol/chunk.h"
+#include "protocol/chunk/chunk.h"
 #include "server/base/mem.h"
 #include "server/rooms/question.h"
 #include "server/rooms/rooms_internal.h"

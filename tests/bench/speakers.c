@@ -6,7 +6,7 @@
  * its time stamp; a missing one counts as late, too. The delay is counted from the time at which the lead
  * allows a chunk to leave. */
 #include "client.h"
-#include "protocol/compact.h"
+#include "protocol/chunk/compact.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

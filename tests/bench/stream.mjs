@@ -8,7 +8,7 @@ import fs from 'node:fs';
 import path from 'node:path';
 import zlib from 'node:zlib';
 import WebSocket from 'ws';
-import { isCompact } from '../../protocol/compact.mjs';
+import { isCompact } from '../../protocol/chunk/compact.mjs';
 import { build, Daemon, root } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 import { quantile } from './figures.mjs';

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Media chunks. Byte 0 selects: one chunk of version 1, which is written again if valid, or several compact
  * ones, each preceded by its size (2 bytes). */
-#include "protocol/compact.h"
+#include "protocol/chunk/compact.h"
 #include "server/base/mem.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>

@@ -6,8 +6,8 @@ import path from 'node:path';
 import { after } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import WebSocket from 'ws';
-import { decodeChunk } from '../../protocol/chunk.mjs';
-import { CompactReader, isCompact } from '../../protocol/compact.mjs';
+import { decodeChunk } from '../../protocol/chunk/chunk.mjs';
+import { CompactReader, isCompact } from '../../protocol/chunk/compact.mjs';
 
 export const root = path.resolve(fileURLToPath(import.meta.url), '../../..');
 export const build = process.env.FACCIA_BUILD ?? path.join(root, 'build');

@@ -11,7 +11,7 @@ import {
   encodeChunk,
   FAP_NONE,
   FAP_PLAIN,
-} from '../../protocol/chunk.mjs';
+} from '../../protocol/chunk/chunk.mjs';
 
 const vectors = JSON.parse(fs.readFileSync(new URL('../../protocol/vectors/chunks.json', import.meta.url)));
 const bytesOf = (vector) => new Uint8Array(Buffer.from(vector.hex, 'hex'));

@@ -3,9 +3,9 @@
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { test } from 'node:test';
-import { ChunkError } from '../../protocol/chunk.mjs';
-import { CompactReader } from '../../protocol/compact.mjs';
-import { packEvents } from '../../protocol/packed.mjs';
+import { ChunkError } from '../../protocol/chunk/chunk.mjs';
+import { CompactReader } from '../../protocol/chunk/compact.mjs';
+import { packEvents } from '../../protocol/chunk/packed.mjs';
 
 const vectors = JSON.parse(fs.readFileSync(new URL('../../protocol/vectors/packed.json', import.meta.url)));
 

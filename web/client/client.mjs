@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A client of a faccia server without a face: messages, sound and FAP frames, for Node.js and for browsers.
-import { decodeChunk } from '../../protocol/chunk.mjs';
-import { CompactReader, isCompact } from '../../protocol/compact.mjs';
+import { decodeChunk } from '../../protocol/chunk/chunk.mjs';
+import { CompactReader, isCompact } from '../../protocol/chunk/compact.mjs';
 import { Connection } from '../element/stream/connection.mjs';
 
 /** Messages that end nothing, but concern an utterance by its id or number. */

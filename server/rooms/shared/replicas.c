@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The replicas of a room that this daemon leads. Each is represented in the room by followers that stand
  * for its own; each message is sent to it once. */
-#include "protocol/compact.h"
+#include "protocol/chunk/compact.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/rooms/shared/shared_internal.h"

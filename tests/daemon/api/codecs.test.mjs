@@ -2,7 +2,7 @@
 // The default media encoding: Opus and FAPC, a few kbit/s.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { CompactReader, OPUS_PACKET_SAMPLES, OPUS_RATE, OPUS_SKIP } from '../../../protocol/compact.mjs';
+import { CompactReader, OPUS_PACKET_SAMPLES, OPUS_RATE, OPUS_SKIP } from '../../../protocol/chunk/compact.mjs';
 import { fapcStep } from '../../../protocol/fapc/fapc.mjs';
 import { Daemon, framesOf } from '../../lib/daemon.mjs';
 

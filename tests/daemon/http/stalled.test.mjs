@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { test } from 'node:test';
-import { decodeChunk } from '../../../protocol/chunk.mjs';
+import { decodeChunk } from '../../../protocol/chunk/chunk.mjs';
 import { Daemon, eventually } from '../../lib/daemon.mjs';
 import { stalled } from '../../lib/stalled.mjs';
 

@@ -2,8 +2,8 @@
 // Sound is coded on threads: messages must still arrive in order in every encoding, and nothing after the end.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { CompactReader, isCompact } from '../../../protocol/compact.mjs';
-import { decodeChunk } from '../../../protocol/chunk.mjs';
+import { CompactReader, isCompact } from '../../../protocol/chunk/compact.mjs';
+import { decodeChunk } from '../../../protocol/chunk/chunk.mjs';
 import { Daemon } from '../../lib/daemon.mjs';
 
 let daemon;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Tests the chunk codec with the vectors shared with the JavaScript codec. */
-#include "protocol/chunk.h"
+#include "protocol/chunk/chunk.h"
 #include <jansson.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Tests packed events with the vectors shared with the JavaScript code. */
-#include "protocol/compact.h"
-#include "protocol/packed.h"
+#include "protocol/chunk/compact.h"
+#include "protocol/chunk/packed.h"
 #include <jansson.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Coding on threads gives the same bytes in the same order as without, under any load. */
-#include "protocol/compact.h"
+#include "protocol/chunk/compact.h"
 #include "server/codec/coder_pool.h"
 #include "server/codec/media_encoder.h"
 #include <math.h>

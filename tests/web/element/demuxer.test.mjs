@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { OpusDecoder } from '../../../web/node_modules/opus-decoder/index.js';
-import { encodeChunk } from '../../../protocol/chunk.mjs';
+import { encodeChunk } from '../../../protocol/chunk/chunk.mjs';
 import { Demuxer } from '../../../web/element/stream/demuxer.mjs';
 import { OpusSound } from '../../../web/element/audio/opus.mjs';
 

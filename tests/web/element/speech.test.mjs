@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { decodeChunk, encodeChunk } from '../../../protocol/chunk.mjs';
+import { decodeChunk, encodeChunk } from '../../../protocol/chunk/chunk.mjs';
 import { Speech } from '../../../web/element/speech/speech.mjs';
 import { Turns } from '../../../web/element/speech/turns.mjs';
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Opus packets to samples: by the browser itself (WebCodecs), or by the npm package opus-decoder where it cannot.
 import { companion } from '../companions.mjs';
-import { OPUS_PACKET_SAMPLES, OPUS_RATE } from '../../../protocol/compact.mjs';
+import { OPUS_PACKET_SAMPLES, OPUS_RATE } from '../../../protocol/chunk/compact.mjs';
 
 const CONFIG = { codec: 'opus', sampleRate: OPUS_RATE, numberOfChannels: 1 };
 

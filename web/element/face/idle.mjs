@@ -29,7 +29,7 @@ export class IdleFace {
     this.away = false;
   }
 
-  /** @param {import('../../../protocol/chunk.mjs').Chunk} chunk of utterance 0 @param {number} now seconds */
+  /** @param {import('../../../protocol/chunk/chunk.mjs').Chunk} chunk of utterance 0 @param {number} now seconds */
   take(chunk, now) {
     const begin = chunk.start / chunk.sampleRate;
     const ahead = chunk.samples / chunk.sampleRate <= LIVE ? AHEAD_LIVE : AHEAD;
@@ -122,7 +122,7 @@ export class IdleController {
 
   /**
    * A chunk that was under way when idling was turned off would stay on the face.
-   * @param {import('../../../protocol/chunk.mjs').Chunk} chunk of utterance 0 @param {number} now seconds
+   * @param {import('../../../protocol/chunk/chunk.mjs').Chunk} chunk of utterance 0 @param {number} now seconds
    */
   take(chunk, now) {
     if (this.wanted) this.face.take(chunk, now);

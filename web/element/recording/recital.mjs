@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 import { OpusSound } from '../audio/opus.mjs';
-import { OPUS_PACKET_SAMPLES, OPUS_RATE } from '../../../protocol/compact.mjs';
+import { OPUS_PACKET_SAMPLES, OPUS_RATE } from '../../../protocol/chunk/compact.mjs';
 import { IdleLife } from './idle-life.mjs';
 import { fetchRecording } from './source.mjs';
 

@@ -53,7 +53,7 @@ export class Utterance {
   }
 
   /**
-   * Takes a chunk. @param {import('../../../protocol/chunk.mjs').Chunk} chunk with `audioRate` and `audioStart` if the sound
+   * Takes a chunk. @param {import('../../../protocol/chunk/chunk.mjs').Chunk} chunk with `audioRate` and `audioStart` if the sound
    *   has a clock of its own
    * @returns {Float32Array} samples for the player
    */

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-import { decodeChunk } from '../../../protocol/chunk.mjs';
-import { AUDIO_OPUS, CompactReader, isCompact, OPUS_PACKET_SAMPLES, OPUS_RATE, OPUS_SKIP } from '../../../protocol/compact.mjs';
+import { decodeChunk } from '../../../protocol/chunk/chunk.mjs';
+import { AUDIO_OPUS, CompactReader, isCompact, OPUS_PACKET_SAMPLES, OPUS_RATE, OPUS_SKIP } from '../../../protocol/chunk/compact.mjs';
 import { OpusSound } from '../audio/opus.mjs';
 
 /**

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "protocol/compact.h"
-#include "protocol/varint.h"
+#include "protocol/chunk/compact.h"
+#include "protocol/chunk/varint.h"
 
 enum {
     MARK = 0x80,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-#include "protocol/packed.h"
-#include "protocol/varint.h"
+#include "protocol/chunk/packed.h"
+#include "protocol/chunk/varint.h"
 #include <string.h>
 
 static int has_place(enum packed_kind kind) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A media chunk: the audio of an interval and the FAP frames of the same interval, one binary message.
- * The layout is in README.md, section "Media chunks". Nothing here allocates or does I/O. */
+ * The layout is in ../README.md, section "Media chunks". Nothing here allocates or does I/O. */
 #ifndef FACCIA_PROTOCOL_CHUNK_H
 #define FACCIA_PROTOCOL_CHUNK_H
 

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Compact media chunks (version 2): what a reader knows from the chunk before is left out. The layout is in
- * README.md, section "Compact chunks". Nothing here allocates or does I/O. */
+ * ../README.md, section "Compact chunks". Nothing here allocates or does I/O. */
 #ifndef FACCIA_PROTOCOL_COMPACT_H
 #define FACCIA_PROTOCOL_COMPACT_H
 
-#include "protocol/chunk.h"
+#include "protocol/chunk/chunk.h"
 
 enum {
     COMPACT_HEADER_BYTES_MAX = 48,
     CHUNK_AUDIO_OPUS = 2, /* packets of 20 ms, each after its length */
-    CHUNK_FAP_FAPC = 2,   /* fapc.md */
+    CHUNK_FAP_FAPC = 2,   /* ../fapc.md */
 };
 
 /* State of a reader or writer. Zeroed at first. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Events inside compact media chunks: what begins in a chunk, in a few bytes instead of a JSON message each.
- * The layout is in README.md, section "Packed events". Nothing here allocates or does I/O. */
+ * The layout is in ../README.md, section "Packed events". Nothing here allocates or does I/O. */
 #ifndef FACCIA_PROTOCOL_PACKED_H
 #define FACCIA_PROTOCOL_PACKED_H
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Media chunks, version 1: README.md, section "Media chunks".
-import { FAP_COUNT } from './fap.mjs';
+// Media chunks, version 1: ../README.md, section "Media chunks".
+import { FAP_COUNT } from '../fap.mjs';
 
 export const AUDIO_SILENCE = 0;
 export const AUDIO_PCM_S16LE = 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Events inside compact media chunks: README.md, section "Packed events".
+// Events inside compact media chunks: ../README.md, section "Packed events".
 import { ChunkError } from './chunk.mjs';
 
 const KINDS = ['sentence', 'word', 'mark', 'phone'];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "protocol/chunk.h"
+#include "protocol/chunk/chunk.h"
 #include <string.h>
 
 enum { MAGIC = 0x46 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Compact media chunks (version 2): README.md, section "Compact chunks". A stream has one reader.
+// Compact media chunks (version 2): ../README.md, section "Compact chunks". A stream has one reader.
 import { AUDIO_SILENCE, ChunkError, FAP_NONE } from './chunk.mjs';
-import { FapcDecoder } from './fapc/fapc.mjs';
+import { FapcDecoder } from '../fapc/fapc.mjs';
 import { unpackEvents } from './packed.mjs';
 
 export const AUDIO_OPUS = 2;
