@@ -53,8 +53,8 @@ export class Utterance {
   }
 
   /**
-   * Takes a chunk. @param {import('../../../protocol/chunk/chunk.mjs').Chunk} chunk with `audioRate` and `audioStart` if the sound
-   *   has a clock of its own
+   * Takes a chunk. @param {import('../../../protocol/chunk/chunk.mjs').Chunk} chunk with `audioRate` and `audioStart` if
+   *   the sound has a clock of its own
    * @returns {Float32Array} samples for the player
    */
   take(chunk) {
