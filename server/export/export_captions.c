@@ -146,6 +146,12 @@ static void put_word(struct cue_text *c, const struct word *w, size_t at, uint64
     c->to = end;
 }
 
+/* Passes over the mark that ends what another says ("...", she said). */
+static size_t after_mark(const struct cue_text *c, size_t from, size_t to) {
+    return to - from > 1 && strchr(",;:.", c->text[from]) && strchr(" \t\r\n", c->text[from + 1]) ? from + 2
+                                                                                                  : from;
+}
+
 static void put_head(struct export *x) {
     buf_printf(&x->out, "WEBVTT\n\n");
 }
@@ -156,7 +162,7 @@ static void put_segment(struct export *x, const struct media_segment *segment, b
     struct cue_text c = {
         .x = x, .text = x->source.text, .tagged = markup && strcmp(markup, "plain") != 0, .plain = plain};
     c.who = export_speaker(x, u->from);
-    size_t at = u->from;
+    size_t at = after_mark(&c, u->from, u->to);
     for (size_t i = 0; i < u->word_count; i++) {
         const struct word *w = &u->words[i];
         uint64_t start = (uint64_t)segment->start + w->start, end = (uint64_t)segment->start + w->end;

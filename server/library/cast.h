@@ -129,6 +129,17 @@ bool cast_id_of_block(const struct block *block, char out[CAST_ID_BYTES]);
 void cast_dialogue_find(const char *text, size_t size, const char *lang, struct cast_speech **speeches,
                         size_t *count);
 
+/* Bytes of a block's text that somebody speaks. */
+struct cast_stretch {
+    size_t block, from, to;
+    char *who; /* id */
+};
+
+/* Finds who speaks in the paragraphs of a section. Free the list: cast_stretches_free. */
+void cast_dialogue_stretches(const struct section *section, const char *lang, struct cast_stretch **list,
+                             size_t *count);
+void cast_stretches_free(struct cast_stretch *list, size_t count);
+
 /* Adds `speeches` to the paragraphs of a section, as they are answered (protocol/library.md). */
 void cast_dialogue_blocks(json_t *blocks, const char *lang);
 

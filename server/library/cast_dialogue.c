@@ -77,16 +77,54 @@ void cast_dialogue_blocks(json_t *blocks, const char *lang) {
     buf_free(&text);
 }
 
-void cast_dialogue_section(struct cast_tally *tally, const struct section *section, const char *lang) {
-    struct speaker_runs runs = {0};
-    struct buf text = {0};
-    for (size_t i = 0; i < section->count && text.size < SECTION_BYTES; i++) {
+/* Joins the paragraphs of a section as the narrator reads them. */
+static void join_prose(const struct section *section, struct buf *text) {
+    for (size_t i = 0; i < section->count && text->size < SECTION_BYTES; i++) {
         const struct block *b = &section->blocks[i];
         if (!is_prose(b) || !b->text.size)
             continue;
-        buf_add(&text, "\n\n", text.size ? 2 : 0);
-        buf_add(&text, b->text.data, b->text.size);
+        buf_add(text, "\n\n", text->size ? 2 : 0);
+        buf_add(text, b->text.data, b->text.size);
     }
+}
+
+void cast_dialogue_stretches(const struct section *section, const char *lang, struct cast_stretch **list,
+                             size_t *count) {
+    struct speaker_runs runs = {0};
+    struct buf text = {0};
+    size_t at = 0, run = 0, cap = 0;
+    *list = NULL;
+    *count = 0;
+    join_prose(section, &text);
+    if (text.size)
+        dialogue_find(&runs, (char *)text.data, text.size, lang);
+    for (size_t i = 0; i < section->count && at < text.size; i++) {
+        const struct block *b = &section->blocks[i];
+        if (!is_prose(b) || !b->text.size)
+            continue;
+        const size_t end = at + b->text.size;
+        for (; run < runs.count && runs.list[run].from < end; run++) {
+            const struct speaker_run *r = &runs.list[run];
+            *list = mem_grow(*list, &cap, *count + 1, sizeof **list);
+            (*list)[(*count)++] = (struct cast_stretch){i, r->from - at, (r->to < end ? r->to : end) - at,
+                                                        mem_strdup(runs.speakers[r->speaker].id)};
+        }
+        at = end + 2;
+    }
+    speaker_runs_free(&runs);
+    buf_free(&text);
+}
+
+void cast_stretches_free(struct cast_stretch *list, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        free(list[i].who);
+    free(list);
+}
+
+void cast_dialogue_section(struct cast_tally *tally, const struct section *section, const char *lang) {
+    struct speaker_runs runs = {0};
+    struct buf text = {0};
+    join_prose(section, &text);
     if (text.size)
         dialogue_find(&runs, (char *)text.data, text.size, lang);
     for (size_t i = 0; i < runs.count; i++) {

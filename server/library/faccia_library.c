@@ -221,7 +221,9 @@ static void on_problem(void *ctx, const struct error *e, bool warning) {
 static int on_section(void *ctx, const struct section *section) {
     struct exporting *x = ctx;
     struct narration_part part = {0};
-    if (!x->silent)
+    if (x->silent)
+        narration_find_speeches(&x->narration, section, &part);
+    else
         narration_section(&x->narration, section, &part);
     int stop = x->narration.stopped || library_export_section(&x->files, section, &part, x->narration.rate);
     narration_part_free(&part);

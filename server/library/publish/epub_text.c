@@ -4,13 +4,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Turns overlapping marks into nested elements: units stay whole, marks are closed and reopened at their
- * edges. */
+/* Turns overlapping marks into nested elements: units stay whole, and lie within what somebody speaks; marks
+ * are closed and reopened at their edges. */
 
 enum event_kind {
     MARK_ENDS,
     UNIT_ENDS,
+    SPEECH_ENDS,
     POINT,
+    SPEECH_BEGINS,
     UNIT_BEGINS,
     MARK_BEGINS
 }; /* order of events at the same byte */
@@ -18,13 +20,14 @@ enum event_kind {
 struct event {
     size_t at;
     enum event_kind kind;
-    size_t number; /* of the mark or unit */
+    size_t number; /* of the mark, unit or speech */
 };
 
 struct stretch {
     struct buf *out;
     const struct section *section;
     const struct block *block;
+    const struct narration_part *part;
     struct event *events;
     size_t count, cap;
     size_t *open; /* marks, outermost first */
@@ -120,10 +123,18 @@ static void take(struct stretch *s, const struct event *event) {
     case POINT:
         put_point(s, &s->block->marks[event->number]);
         return;
+    case SPEECH_BEGINS:
+        close_marks(s);
+        buf_printf(s->out, "<span class=\"speech\" data-who=\"");
+        epub_escape(s->out, s->part->speeches[event->number].who,
+                    strlen(s->part->speeches[event->number].who));
+        buf_printf(s->out, "\">");
+        break;
     case UNIT_BEGINS:
         close_marks(s);
         buf_printf(s->out, "<span id=\"w%zu\">", event->number + 1);
         break;
+    case SPEECH_ENDS:
     case UNIT_ENDS:
         close_marks(s);
         buf_printf(s->out, "</span>");
@@ -146,12 +157,46 @@ static void take(struct stretch *s, const struct event *event) {
     open_marks(s);
 }
 
+/* Index of the first speech in the block or after it. */
+static size_t first_speech(const struct narration_part *part, size_t number) {
+    size_t low = 0, high = part->speech_count;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (part->speeches[middle].block < number)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* Adds what somebody speaks in a block without lines. A unit across its edge lies within it. */
+static void add_speeches(struct stretch *s, size_t number, size_t first, size_t last) {
+    const struct narration_part *part = s->part;
+    size_t unit = first, before = 0;
+    for (size_t i = first_speech(part, number); i < part->speech_count && part->speeches[i].block == number;
+         i++) {
+        size_t from = part->speeches[i].from, to = part->speeches[i].to;
+        for (; unit < last && part->units[unit].from < to; unit++)
+            if (part->units[unit].to > from) {
+                from = part->units[unit].from < from ? part->units[unit].from : from;
+                to = part->units[unit].to > to ? part->units[unit].to : to;
+            }
+        from = from > before ? from : before;
+        if (from >= to)
+            continue;
+        add_event(s, from, SPEECH_BEGINS, i);
+        add_event(s, to, SPEECH_ENDS, i);
+        before = to;
+    }
+}
+
 /* Writes a range of a block's text with its marks, and the units [first, last) as id="w1"... Takes the
  * signs of notes from the section. */
-static void epub_stretch(struct buf *out, const struct section *section, const struct block *block,
-                         size_t from, size_t to, const struct narration_unit *units, size_t first,
-                         size_t last) {
-    struct stretch s = {.out = out, .section = section, .block = block};
+static void epub_stretch(struct buf *out, const struct section *section, size_t number, size_t from,
+                         size_t to, const struct narration_part *part, size_t first, size_t last) {
+    const struct block *block = &section->blocks[number];
+    struct stretch s = {.out = out, .section = section, .block = block, .part = part};
     const char *text = block->text.size ? (const char *)block->text.data : "";
     for (size_t i = 0; i < block->mark_count; i++) {
         const struct block_mark *m = &block->marks[i];
@@ -164,9 +209,11 @@ static void epub_stretch(struct buf *out, const struct section *section, const s
         }
     }
     for (size_t i = first; i < last; i++) {
-        add_event(&s, units[i].from, UNIT_BEGINS, i);
-        add_event(&s, units[i].to < to ? units[i].to : to, UNIT_ENDS, i);
+        add_event(&s, part->units[i].from, UNIT_BEGINS, i);
+        add_event(&s, part->units[i].to < to ? part->units[i].to : to, UNIT_ENDS, i);
     }
+    if (block->kind == BLOCK_PARAGRAPH)
+        add_speeches(&s, number, first, last);
     if (s.count)
         qsort(s.events, s.count, sizeof *s.events, compare);
     size_t at = from;
@@ -210,7 +257,7 @@ static void put_stretch(struct page *p, size_t number, size_t from, size_t to) {
     size_t first = p->unit;
     while (p->unit < part->count && part->units[p->unit].block == number && part->units[p->unit].from < to)
         p->unit++;
-    epub_stretch(p->out, p->section, &p->section->blocks[number], from, to, part->units, first, p->unit);
+    epub_stretch(p->out, p->section, number, from, to, part, first, p->unit);
 }
 
 /* A paragraph with breaks, so that readers without style sheets show verse, too. */

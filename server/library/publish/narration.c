@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/library/cast.h"
 #include "server/library/directions.h"
 #include "server/library/publish/publish_internal.h"
 #include "server/synthesis/media_segment.h"
@@ -20,6 +19,9 @@ struct narration_places {
     const char *text; /* the complete text, NUL-terminated */
     struct cast_speech *speeches;
     size_t speech_count, speech_cap;
+    struct cast_speech *dialogue; /* of prose */
+    size_t dialogue_count, dialogue_cap;
+    size_t speech;                     /* the next one of the part */
     struct buf languages;              /* stretches in other languages, in the syntax of a request */
     struct utf16_counter units;        /* units of the text */
     struct utf16_counter speech_units; /* the same, for speeches */
@@ -94,6 +96,20 @@ static void add_speech(struct narration_places *p, const struct block *block, co
         (struct cast_speech){start, end, mem_strdup(who), affect ? mem_strdup(affect) : NULL};
 }
 
+/* Adds the dialogue of the block, which is the last one. */
+static void narration_places_dialogue(struct narration_places *p, const struct narration_part *part) {
+    const size_t number = p->numbers[p->count - 1], start = p->starts[p->count - 1];
+    while (p->speech < part->speech_count && part->speeches[p->speech].block < number)
+        p->speech++;
+    for (; p->speech < part->speech_count && part->speeches[p->speech].block == number; p->speech++) {
+        const struct cast_stretch *s = &part->speeches[p->speech];
+        size_t from = utf16_offset(&p->speech_units, (char *)p->joined.data, start + s->from);
+        size_t to = utf16_offset(&p->speech_units, (char *)p->joined.data, start + s->to);
+        p->dialogue = mem_grow(p->dialogue, &p->dialogue_cap, p->dialogue_count + 1, sizeof *p->dialogue);
+        p->dialogue[p->dialogue_count++] = (struct cast_speech){from, to, mem_strdup(s->who), NULL};
+    }
+}
+
 /* An empty line separates blocks. A block with its own source stands alone. */
 static void narration_places_add(struct narration_places *p, const struct block *block, size_t number,
                                  const char *affect) {
@@ -124,6 +140,7 @@ static void narration_places_free(struct narration_places *p) {
     free(p->numbers);
     free(p->starts);
     cast_speeches_free(p->speeches, p->speech_count);
+    cast_speeches_free(p->dialogue, p->dialogue_count);
     buf_free(&p->joined);
     buf_free(&p->languages);
     *p = (struct narration_places){0};
@@ -271,14 +288,8 @@ static char *speakers_of(const struct narration *r, const struct run *run, const
     bool voices = r->cast_voices && !strcmp(lang, r->lang);
     if (!r->cast)
         return NULL;
-    if (p->speech_count || p->blocks[0]->source || !voices || r->request->dialogue != DIALOGUE_VOICES)
-        return cast_speakers(r->cast, p->speeches, p->speech_count, voices);
-    struct cast_speech *speeches;
-    size_t count;
-    cast_dialogue_find(p->text, strlen(p->text), lang, &speeches, &count);
-    char *speakers = cast_speakers(r->cast, speeches, count, true);
-    cast_speeches_free(speeches, count);
-    return speakers;
+    return p->dialogue_count && voices ? cast_speakers(r->cast, p->dialogue, p->dialogue_count, true)
+                                       : cast_speakers(r->cast, p->speeches, p->speech_count, voices);
 }
 
 static void request_of(const struct narration *r, const struct run *run, struct speech_request *request) {
@@ -331,9 +342,20 @@ static bool goes_on(const struct narration *r, const struct block *a, const stru
     return !a->source && !b->source && !strcmp(lang_of(r, a), lang_of(r, b));
 }
 
+void narration_find_speeches(const struct narration *r, const struct section *section,
+                             struct narration_part *part) {
+    char who[CAST_ID_BYTES];
+    bool told = r->request->dialogue == DIALOGUE_VOICES;
+    for (size_t i = 0; i < section->count; i++)
+        told = told && !cast_id_of_block(&section->blocks[i], who);
+    if (told)
+        cast_dialogue_stretches(section, r->lang, &part->speeches, &part->speech_count);
+}
+
 void narration_section(struct narration *r, const struct section *section, struct narration_part *part) {
     struct direction_mood mood = {.lang = r->lang};
     *part = (struct narration_part){0};
+    narration_find_speeches(r, section, part);
     for (size_t i = 0; i < section->count && !r->stopped;) {
         struct run run = {.part = part};
         const struct block *first = &section->blocks[i];
@@ -345,6 +367,7 @@ void narration_section(struct narration *r, const struct section *section, struc
             if (is_spoken(b)) {
                 first = run.places.count ? first : b;
                 narration_places_add(&run.places, b, i, *mood.who ? mood.affect : NULL);
+                narration_places_dialogue(&run.places, part);
             }
         }
         if (run.places.count)
@@ -355,5 +378,6 @@ void narration_section(struct narration *r, const struct section *section, struc
 
 void narration_part_free(struct narration_part *part) {
     free(part->units);
+    cast_stretches_free(part->speeches, part->speech_count);
     *part = (struct narration_part){0};
 }

@@ -4,6 +4,7 @@
 #define FACCIA_LIBRARY_PUBLISH_PUBLISH_INTERNAL_H
 
 #include "server/base/buf.h"
+#include "server/library/cast.h"
 #include "server/library/works/work.h"
 #include "server/synthesis/synthesis.h"
 
@@ -22,6 +23,8 @@ struct narration_part {
     struct narration_unit *units;
     size_t count, cap;
     uint64_t samples;
+    struct cast_stretch *speeches; /* of prose, ascending */
+    size_t speech_count;
 };
 
 struct narration {
@@ -51,6 +54,10 @@ enum { NARRATION_RATE_MAX = 48000 }; /* Hz: higher rates are converted */
  * passage that fails is reported, and the rest continues. */
 void narration_section(struct narration *narration, const struct section *section,
                        struct narration_part *part);
+
+/* Finds who speaks in prose, if `request` asks for it: for a section that is not spoken. */
+void narration_find_speeches(const struct narration *narration, const struct section *section,
+                             struct narration_part *part);
 void narration_part_free(struct narration_part *part);
 
 /* Texts of an EPUB 3 (W3C EPUB 3.3; also valid as 3.2): a section as XHTML with ids on words or sentences,

@@ -179,6 +179,27 @@ test('a play: captions say who speaks, and stage directions give moods', () => {
   assert.notEqual(faces[0], faces[1]);
 });
 
+test('prose with --dialogue: book, captions and TextGrid mark who speaks, with or without sound, by words or sentences', () => {
+  const prose = path.join(folder, 'prose');
+  fs.mkdirSync(prose);
+  fs.writeFileSync(path.join(prose, 'molo.md'), '---\ntitle: Il molo\nlang: it\n---\n# Sera\n\nLa sera scese sul porto.\n\n«Chi va *là*?» disse Renzo.\n\n«Sono io», rispose Lucia, «e ho *molta* fretta».\n\n«E che vuoi?»\n');
+  const marks = (name) => [...execFileSync('unzip', ['-p', file(name), 'EPUB/s1.xhtml'], { encoding: 'utf8' }).replace(/<\/?em>|<span id="[^"]*">/g, '').matchAll(/<span class="speech" data-who="([^"]*)">([^]*?»)/g)].map(([, who, text]) => `${who} ${text.replace(/<[^>]*>/g, '')}`);
+  const told = ['renzo «Chi va là?»', 'lucia «Sono io»', 'lucia «e ho molta fretta»', 'renzo «E che vuoi?»'];
+  exported(prose, 'molo', '--dialogue', '--epub', file('molo.epub'), '--vtt', file('molo.vtt'), '--textgrid', file('molo.TextGrid'));
+  exported(prose, 'molo', '--dialogue', '--epub', file('frasi.epub'), '--sentences', '--voice', 'espeak:it');
+  exported(prose, 'molo', '--dialogue', '--epub', file('muto.epub'), '--silent');
+  exported(prose, 'molo', '--epub', file('uno.epub'), '--silent');
+  valid('molo.epub', 'frasi.epub', 'muto.epub');
+  assert.deepEqual(['molo.epub', 'frasi.epub', 'muto.epub', 'uno.epub'].map(marks), [told, told, told, []]);
+  const [{ clips, marked, text }] = book('molo.epub').sections;
+  assert.deepEqual(clips.map(([id]) => marked[id]).slice(6), ['Chi', 'va', 'là', 'disse', 'Renzo', 'Sono', 'io', 'rispose', 'Lucia', 'e', 'ho', 'molta', 'fretta', 'E', 'che', 'vuoi']);
+  assert.match(text, /«Sono io», rispose Lucia, «e ho molta fretta»\.\s/);
+  const cues = [...fs.readFileSync(file('molo.vtt'), 'utf8').matchAll(/-->.*\n([^]*?)\n\n/g)].map(([, cue]) => cue.replace(/<\d[^>]*>/g, ''));
+  assert.deepEqual(cues.slice(2), ['<v Renzo>«Chi va là?»', 'disse Renzo.', '<v Lucia>«Sono io»', 'rispose Lucia,', '<v Lucia>«e ho molta fretta»', '<v Renzo>«E che vuoi?»']);
+  const [, speakers] = fs.readFileSync(file('molo.TextGrid'), 'utf8').split('name = "speakers"');
+  assert.deepEqual([...speakers.matchAll(/text = "([^"]+)"/g)].map(([, name]) => name), ['Renzo', 'Lucia', 'Lucia', 'Renzo']);
+});
+
 test('exports captions, TextGrid and face of a whole work together', () => {
   written('mare', '--vtt', file('mare.vtt'), '--textgrid', file('mare.TextGrid'), '--fap', file('mare.fap'), '--wav', file('mare.wav'));
   const seconds = (fs.statSync(file('mare.wav')).size - 44) / 2 / 22050;
