@@ -107,7 +107,7 @@ static void next_token(struct scanner *s, struct token *t) {
             return;
         }
         if (begins(s, "<!--")) {
-            advance(s, find(s, s->at, "-->") + 3);
+            advance(s, find(s, s->at + strlen("<!--"), "-->") + 3);
         } else if (begins(s, "<![CDATA[")) {
             size_t end = find(s, s->at, "]]>");
             t->kind = TOKEN_VERBATIM;

@@ -8,28 +8,6 @@
 #include <string.h>
 #include <utf8proc.h>
 
-void work_meta_free(struct work_meta *m) {
-    char *const texts[] = {m->title, m->author, m->lang, m->date, m->publisher, m->licence, m->source};
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
-        free(texts[i]);
-    work_persons_free(m->persons, m->person_count);
-    *m = (struct work_meta){0};
-}
-
-void work_persons_free(struct work_person *persons, size_t count) {
-    for (size_t i = 0; i < count; i++) {
-        free(persons[i].id);
-        free(persons[i].name);
-        free(persons[i].about);
-    }
-    free(persons);
-}
-
-void work_meta_set(char **field, const char *text) {
-    if (!*field && text && *text)
-        *field = mem_strdup(text);
-}
-
 void block_spoken(const struct block *block, struct buf *out) {
     size_t from = out->size;
     buf_add(out, block->text.data, block->text.size);

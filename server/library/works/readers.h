@@ -9,6 +9,15 @@
 #include <stdbool.h>
 #include <time.h>
 
+/* work_meta.c: sets a date, unless the one that is set has an earlier year. */
+void work_meta_earlier(char **date, const char *text);
+
+/* Removes the years of their lives from names of authors, which semicolons divide. NULL: nothing. */
+void work_meta_authors(char *authors);
+
+/* Removes from the end of a title that it is an electronic edition. NULL: nothing. */
+void work_meta_title(char *title);
+
 struct builder {
     const struct work_sink *sink;
     struct section section;

@@ -40,8 +40,9 @@ struct tei {
     char *first_date;    /* publication date, used if the source has none */
     char **date;         /* a date within the captured element goes here; NULL: none is open */
     size_t date_from;    /* its first byte in `capture` */
-    unsigned skip, header, title_stmt, publication, source, bodies, divs; /* numbers of open elements */
-    unsigned asides, expansions, figures;                                 /* likewise */
+    unsigned skip, header, title_stmt, publication, source, creation, bodies,
+        divs;                                           /* numbers of open elements */
+    unsigned asides, expansions, figures;               /* likewise */
     enum { AFTER_TEXT, AFTER_WORD, AFTER_POINT } after; /* kind of the element that ended last */
     bool joins;                                         /* it declares that the next word joins it */
     bool text_lang;                                     /* the text declared the work's language */
@@ -52,12 +53,12 @@ struct tei {
     bool is_tei;
 };
 
-enum { FIELD_BYTES_MAX = 4096 };
+enum { FIELD_BYTES_MAX = 4096, DATE_BYTES_MAX = 40 };
 
 static void count_header(struct tei *t, const char *name, int by) {
-    unsigned *counts[] = {&t->title_stmt, &t->publication, &t->source};
-    static const char *const names[] = {"titleStmt", "publicationStmt", "sourceDesc"};
-    for (size_t i = 0; i < 3; i++)
+    unsigned *counts[] = {&t->title_stmt, &t->publication, &t->source, &t->creation};
+    static const char *const names[] = {"titleStmt", "publicationStmt", "sourceDesc", "creation"};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         if (!strcmp(name, names[i]))
             *counts[i] += (unsigned)by;
 }
@@ -73,16 +74,45 @@ static bool is_name(const char *name) {
     return xml_is_one(name, names);
 }
 
-/* Chooses where a date goes. The source's date wins over the publication's. */
-static char **date_of(struct tei *t, const char **attributes) {
+/* Keeps a date. The earliest of the source's is that of the work, and wins over the publication's. */
+static void keep_date_at(struct tei *t, char **to, const char *text) {
+    if (!*text || strlen(text) >= DATE_BYTES_MAX)
+        return;
+    if (to == &t->meta->date)
+        work_meta_earlier(to, text);
+    else
+        work_meta_set(to, text);
+}
+
+static const char *when_of(const char **attributes) {
     static const char *const when[] = {"when", "from", "notBefore", NULL};
-    char **to = t->source ? &t->meta->date : t->publication ? &t->first_date : NULL;
-    for (const char *const *name = when; to && !*to && *name; name++) {
-        const char *value = xml_attribute(attributes, *name);
-        if (value && strlen(value) < 40)
-            work_meta_set(to, value);
+    const char *value = NULL;
+    for (const char *const *name = when; !value && *name; name++)
+        value = xml_attribute(attributes, *name);
+    return value;
+}
+
+static bool is_date(const char *name) {
+    return !strcmp(name, "date") || !strcmp(name, "origDate");
+}
+
+/* Keeps the date of an attribute, or chooses where the text of the element goes. */
+static char **date_of(struct tei *t, const char **attributes) {
+    char **to = t->source || t->creation ? &t->meta->date : t->publication ? &t->first_date : NULL;
+    const char *value = when_of(attributes);
+    if (to && value && *value) {
+        keep_date_at(t, to, value);
+        return NULL;
     }
-    return to && !*to ? to : NULL;
+    return to;
+}
+
+/* Keeps the date when the work was written, printed or first played, as corpora of plays tell it. */
+static void tei_event(struct tei *t, const char **attributes) {
+    static const char *const types[] = {"written", "premiere", "print", "publication", "creation", NULL};
+    const char *type = xml_attribute(attributes, "type"), *value = when_of(attributes);
+    if (type && value && xml_is_one(type, types))
+        keep_date_at(t, &t->meta->date, value);
 }
 
 static void tei_header_start(struct tei *t, const struct xml_walk *w, const char *name,
@@ -92,7 +122,7 @@ static void tei_header_start(struct tei *t, const struct xml_walk *w, const char
     bool again = false;
     count_header(t, name, 1);
     if (t->wanted) {
-        if (!strcmp(name, "date") && (t->date = date_of(t, attributes)))
+        if (is_date(name) && (t->date = date_of(t, attributes)))
             t->date_from = t->capture.size;
         if (is_left_out(name) || (t->wanted == &m->author && is_name(name) && t->names++ > 0) || t->left_out)
             t->left_out++;
@@ -107,8 +137,8 @@ static void tei_header_start(struct tei *t, const struct xml_walk *w, const char
         wanted = &m->author, again = true;
     else if (t->publication && !strcmp(name, "publisher"))
         wanted = &m->publisher;
-    else if (!strcmp(name, "date"))
-        wanted = date_of(t, attributes);
+    else if (is_date(name))
+        wanted = date_of(t, attributes), again = true;
     else if (t->publication && !strcmp(name, "licence"))
         wanted = &m->licence;
     else if (t->source && (!strcmp(name, "bibl") || !strcmp(name, "p")))
@@ -138,6 +168,8 @@ static void keep_field(struct tei *t, const char *text) {
             free(t->meta->author);
             t->meta->author = (char *)both.data;
         }
+    } else if (t->wanted == &t->meta->date || t->wanted == &t->first_date) {
+        keep_date_at(t, t->wanted, text);
     } else {
         work_meta_set(t->wanted, text);
     }
@@ -162,8 +194,7 @@ static char *captured(const struct tei *t, size_t from) {
 /* Keeps the text of a date without attributes, which has ended. */
 static void keep_date(struct tei *t) {
     char *text = captured(t, t->date_from);
-    if (*text && strlen(text) < 40)
-        work_meta_set(t->date, text);
+    keep_date_at(t, t->date, text);
     free(text);
     t->date = NULL;
 }
@@ -173,7 +204,7 @@ static void tei_header_end(struct tei *t, const struct xml_walk *w, const char *
     if (!t->wanted)
         return;
     if (t->capture_at != w->depth) {
-        if (!strcmp(name, "date") && t->date)
+        if (is_date(name) && t->date)
             keep_date(t);
         t->left_out -= t->left_out > 0;
         return;
@@ -505,6 +536,8 @@ static void on_start(struct xml_walk *w, const char *name, const char **attribut
         f->act = ACT_PASS;
     t->speech += f->act == ACT_SPEECH;
     choose(t, f, w, name);
+    if (t->skip && !strcmp(name, "event"))
+        tei_event(t, attributes);
     if (f->act == ACT_SIGN && t->expansions)
         f->act = ACT_SKIP;
     if (t->skip || f->act == ACT_SKIP) {
@@ -582,8 +615,10 @@ static bool is_sign(const char *text, size_t size) {
 static void end_reference(struct tei *t, const struct tei_frame *f) {
     const struct block *block = build_top(t->b);
     if (f->opened && block && block->text.size > f->from &&
-        is_sign((char *)block->text.data + f->from, block->text.size - f->from))
+        is_sign((char *)block->text.data + f->from, block->text.size - f->from)) {
         build_cut(t->b, f->from);
+        build_apart(t->b);
+    }
 }
 
 static void end_other(struct tei *t, const struct tei_frame *f) {
@@ -716,6 +751,7 @@ int tei_read(const char *data, size_t size, struct work_meta *meta, struct build
     b->lang = b->work_lang = NULL;
     b->where = NULL;
     work_meta_set(&meta->date, t->first_date);
+    work_meta_title(meta->title);
     free(t->first_date);
     tei_persons_take(&t->outline.persons, meta);
     tei_outline_free(&t->outline);

@@ -129,6 +129,7 @@ static int read_any(const char *path, FILE *file, const struct buf *data, struct
     if (builder_close(&b) && !result)
         result = builder_why(&b, e);
     buf_free(&loaded);
+    work_meta_authors(meta->author);
     if (nothing && !result)
         result = error_set(e, ERROR_BAD_WORK, "it contains no text");
     return result;

@@ -377,8 +377,10 @@ static void end_link(struct html *h, const struct html_frame *f) {
     const struct block *block = build_top(h->b);
     bool brackets;
     if (f->opened && block && block->text.size > f->from && is_sign(block, f->from, &brackets) &&
-        (f->sign || brackets))
+        (f->sign || brackets)) {
         build_cut(h->b, f->from);
+        build_apart(h->b);
+    }
 }
 
 static void end_speaker(struct html *h) {

@@ -33,6 +33,7 @@ const TEI = {
   persons: ['<castList><head>Personaggi</head><castItem><role>Zeno</role> <roleDesc>oste</roleDesc></castItem></castList><floatingText><body><div><p>Cara Ada,</p></div></body></floatingText><p>scrisse.</p>', 'Personaggi\nZeno oste\nCara Ada,\nscrisse.'],
   notes: ['<p>Una parola<ref target="#nota">12</ref> e <ref target="#altro">un rinvio</ref>.</p><note xml:id="nota" n="12">Detta piano.</note>', 'Una parola e un rinvio.\nDetta piano.'],
   signs: ['<p>Il <ref target="#rus">дом</ref> nostro<ref target="#rus">²</ref>, <ref target="#rus">a</ref>.</p><note xml:id="rus">Casa.</note>', 'Il дом nostro,.\nCasa.'],
+  closesigns: ['<p>Il <emph>vento</emph><ref target="#n">[9]</ref>come <ref target="#n">*</ref>allora.<ref target="#n">(a)</ref>Tace<ref target="#n">1</ref>!</p><!-->in prosa?--><note xml:id="n">Sale.</note>', 'Il vento come allora. Tace!\nSale.'],
   tags: ['<p>La corona di<app>\n<lem><tagStart gi="name"/></lem>\n<rdg wit="O"></rdg>\n</app>Francia<app>\n<lem><tagEnd gi="name"/></lem>\n<rdg wit="O"></rdg>\n</app>.</p><p><app>\n<lem><tagEnd gi="sp"/><tagStart gi="sp"/><tagStart gi="speaker"/>Dido<tagEnd gi="speaker"/></lem>\n</app>Noi due.</p>', 'La corona di Francia.\nDido Noi due.'],
   pretty: ['<p>be<choice>\n  <sic>l</sic>\n  <corr>ll</corr>\n</choice>a <app>\n <lem>rosa</lem>\n <rdg>cosa</rdg></app>!</p>', 'bella rosa!'],
   parts: ['<castList><castItem><role>Ugo</role><roleDesc>un oste</roleDesc></castItem></castList><table><row><cell>uno</cell><cell>due</cell></row></table><p><bibl><author>Neri</author><date>1788</date></bibl></p>', 'Ugo un oste\nuno; due\nNeri1788'],
@@ -52,7 +53,7 @@ const TEI = {
 };
 const NS = 'xmlns:epub="http://www.idpf.org/2007/ops"';
 const EPUB = {
-  signs: [`<p>Una frase<a ${NS} epub:type="noteref" href="#n1">1</a> e<sup><a href="#n2">2</a></sup> poi<a role="doc-noteref" href="#n3">*</a> altro<a href="#n4">[4]</a>, al m<sup>2</sup>.</p>`, 'Una frase e poi altro, al m2.'],
+  signs: [`<p>Una frase<a ${NS} epub:type="noteref" href="#n1">1</a> e<sup><a href="#n2">2</a></sup> poi<a role="doc-noteref" href="#n3">*</a> altro<a href="#n4">[4]</a>, al m<sup>2</sup>.</p><p>Il vento<a href="#n5">[5]</a>cala.</p>`, 'Una frase e poi altro, al m2.\nIl vento cala.'],
   endnotes: [`<p>Testo.</p><section ${NS} epub:type="endnotes"><ol><li id="n1" epub:type="endnote"><p>Prima nota. <a epub:type="backlink" href="#a">Indietro</a></p></li><li id="n2"><p>Seconda nota.</p><p>Il suo seguito.</p></li></ol></section><p>Dopo.</p>`, 'Testo.\nnote: Prima nota.\nnote: Seconda nota. Il suo seguito.\nDopo.'],
   hidden: ['<p hidden="">Uno.</p><p style="color: red; display : none">Due.</p><p aria-hidden="true">Tre.</p><template><p>Quattro.</p></template><p style="x-display:none">Si <span style="visibility:hidden">non</span> vede.</p>', 'Si vede.'],
   words: ['<p>tra&shy;monto, <ruby>base<rp>(</rp><rt>sopra</rt><rp>)</rp></ruby>, <img src="a.png" alt="una barca"/>, <math xmlns="http://www.w3.org/1998/Math/MathML" alttext="x pi\u00f9 y"><mi>x</mi></math>.</p><svg xmlns="http://www.w3.org/2000/svg"><title>No</title><text>Insegna</text></svg>', 'tramonto, base, una barca, x più y.\nInsegna'],
@@ -99,6 +100,10 @@ before(async () => {
   const full = '<titleStmt><title>Copia</title><author>Neri, Ada</author></titleStmt><sourceDesc><biblFull><titleStmt><title>Stampa</title><author>Neri, Ada, 1700-1780</author></titleStmt></biblFull></sourceDesc>';
   fs.writeFileSync(path.join(works, 'copy.xml'), tei('<p>Testo.</p>', { head: header(full) }));
   fs.writeFileSync(path.join(works, 'only.xml'), tei('<p>Testo.</p>', { head: header('<titleStmt><title>Copia</title><author>Ugo Bo<affiliation>Un istituto</affiliation><email>u@example.org</email></author></titleStmt>') }));
+  fs.writeFileSync(path.join(works, 'dates.xml'), tei('<p>Testo.</p>', {
+    head: `${header('<titleStmt><title>Il molo: un racconto : ELTeC edition: an electronic edition</title><author>Neri, Ada (1832-1898).</author><author>Bo, Ugo, ca. 1790-</author><author>Lia [pseud.] (detta la Mora)</author></titleStmt><publicationStmt><date>2021</date></publicationStmt><sourceDesc><bibl type="digital"><date>1991</date></bibl><bibl type="firstEdition">Lucca, <date>1866</date></bibl></sourceDesc>').replace('</teiHeader>', '<profileDesc><creation><date notBefore="1863">circa</date></creation></profileDesc></teiHeader>')}<standOff><listEvent><event type="battle" when="1492"/><event type="print" when="1870"/></listEvent></standOff>`,
+  }));
+  fs.writeFileSync(path.join(works, 'ancient.xml'), tei('<p>Testo.</p>', { head: `${header('<titleStmt><title>Nave: elettronica</title><author>Bo, U.</author></titleStmt><sourceDesc><bibl><date>1896</date></bibl></sourceDesc>')}<standOff><listEvent><event type="premiere" when="-0200"/><event type="written"/></listEvent></standOff>` }));
   fs.writeFileSync(path.join(works, 'latin.xml'), Buffer.from('<?xml version="1.0" encoding="ISO-8859-1"?><TEI xmlns="http://www.tei-c.org/ns/1.0"><teiHeader/><text xml:lang="it"><body><p>perch\xe9</p></body></text></TEI>', 'latin1'));
   fs.writeFileSync(path.join(works, 'old.xml'), '<TEI.2><teiHeader/><text lang="it"><body><div7><p>Vecchia forma.</p></div7></body></text></TEI.2>');
   const persons = '<profileDesc><particDesc><listPerson><person xml:id="ugo"><persName><forename>Ugo</forename>\n<surname>Bo</surname></persName></person></listPerson></particDesc></profileDesc>';
@@ -167,6 +172,10 @@ test('the header: omits authority numbers of authors, reads the date of the sour
   const head = all.works.find(({ id }) => id === 'head');
   assert.deepEqual([head.author, head.date], ['Ada Neri; Ugo Bo', '1788']);
   assert.equal(await read('old'), 'Vecchia forma.');
+  // the years of authors' lives and the form of the edition belong to neither name nor title; the earliest date of the source is the work's
+  const told = (work) => (({ title, author, date }) => [title, author, date])(named(work));
+  assert.deepEqual(told('dates'), ['Il molo: un racconto', 'Neri, Ada; Bo, Ugo; Lia [pseud.] (detta la Mora)', '1863']);
+  assert.deepEqual(told('ancient'), ['Nave: elettronica', 'Bo, U.', '-0200']);
 });
 
 test('a verse shared by speakers has one number and is indented; who speaks is named by the list of persons where the text does not', async () => {
