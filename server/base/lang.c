@@ -65,8 +65,11 @@ bool lang_read(const char *s, size_t n, char tag[LANG_BYTES + 1], size_t *bad) {
     if (territory && (territory - tag == 2 || territory - tag == 3) && end - (size_t)(territory - tag) == 3)
         *territory = '-';
     bool known = lang_is_tag(tag, end, bad);
-    if (known)
+    if (known) {
+        for (size_t i = 0; i < end && tag[i] != '-'; i++)
+            tag[i] |= 32;
         shorten(tag);
+    }
     return known;
 }
 

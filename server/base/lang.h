@@ -15,7 +15,8 @@ enum { LANG_BYTES = 35 };
 bool lang_is_tag(const char *s, size_t n, size_t *bad);
 
 /* Reads a tag, or a POSIX locale with territory or codeset ("it_IT", "pt_BR.UTF-8", "ca_ES@valencia"),
- * whose modifier is dropped; "ita" becomes "it". Returns false, with *bad as above, if it is neither. */
+ * whose modifier is dropped; "ita" and "IT" become "it". Returns false, with *bad as above, if it is neither.
+ */
 bool lang_read(const char *s, size_t n, char tag[LANG_BYTES + 1], size_t *bad);
 
 /* Replaces a macrolanguage with the language usually meant ("zh" becomes Mandarin, RFC 5646, 4.1.2), and a

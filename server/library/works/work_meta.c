@@ -34,11 +34,11 @@ void work_meta_set(char **field, const char *text) {
         *field = mem_strdup(text);
 }
 
-/* Returns the first year of three or four digits; INT_MAX: none. */
+/* Returns the first year of four digits; INT_MAX: none. Three are a century in Italian headers ("700"). */
 static int year_of(const char *date) {
     for (const char *at = date; *at;) {
         size_t digits = strspn(at, figures);
-        if (digits == 3 || digits == 4)
+        if (digits == 4)
             return at == date + 1 && *date == '-' ? -atoi(at) : atoi(at);
         at += digits ? digits : 1;
     }
