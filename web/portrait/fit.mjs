@@ -5,7 +5,8 @@
 // where they are seen (models/tools/portrait/make-points.mjs). So what the detector always gets wrong is wrong in both and
 // falls out of the difference.
 import { align, upright } from './align.mjs';
-import { EYES, LIP_CORNERS, LOWER_LIP, STEADY, UPPER_LIP } from './landmarks.mjs';
+import { EYES, LIP_CORNERS, LOWER_LIP, OPPOSITE, STEADY, UPPER_LIP } from './landmarks.mjs';
+import { ramp } from './surface.mjs';
 
 /** The share of a difference in depth that is used: from one picture the detector only guesses it. */
 const DEPTH = 0.6;
@@ -15,6 +16,7 @@ const DEPTH = 0.6;
 export const PARTED = 0.1;
 const PARTED_TRUST = 0.45;
 const TURNED = 0.3; // rad of yaw: beyond it a picture is one of the side
+const ASKEW = [0.03, 0.11]; // rad of yaw: up to where the two sides may differ, and from where they may not
 const MOST_FRONT = 0.42; // rad: what may still be the only picture
 
 /**
@@ -61,6 +63,21 @@ function closeLips(points) {
 }
 
 /**
+ * Makes the two sides of a turned face alike: what the detector gets wrong of its depth shifts both sides the same way across
+ * the picture, so that it falls out of their mean.
+ * @param {{points: number[][], yaw: number}} look @param {Points} base @returns {number[][]}
+ */
+function evened({ points, yaw }, { seen }) {
+  const share = ramp(ASKEW, Math.abs(yaw));
+  if (!share) return points;
+  const shifts = points.map((p, i) => p.map((x, k) => x - seen[i][k]));
+  return points.map((p, i) => {
+    const other = shifts[OPPOSITE[i]];
+    return other ? p.map((x, k) => x + (share / 2) * ((k ? other[k] : -other[k]) - shifts[i][k])) : p;
+  });
+}
+
+/**
  * The front alone tells the shape: where the detector sees the landmarks of a turned face says nothing of its depth
  * (tests/bench/sides.mjs). Pictures from the side bring skin.
  * @param {{landmarks: number[][]}[]} views the first is the front
@@ -70,15 +87,15 @@ function closeLips(points) {
  */
 export function fitShape(views, base) {
   const all = views.map(({ landmarks }) => laid(landmarks, base));
-  const [front] = all;
+  const points = evened(all[0], base);
   const parted = partedLips(views[0].landmarks) > PARTED;
   const target = base.at.map((at, i) => {
     if (!at) return null;
-    const shift = front.points[i].map((x, k) => (x - base.seen[i][k]) * (k === 2 ? DEPTH : 1));
+    const shift = points[i].map((x, k) => (x - base.seen[i][k]) * (k === 2 ? DEPTH : 1));
     return at.map((x, k) => x + shift[k]);
   });
   const mouth = new Set([...UPPER_LIP, ...LOWER_LIP, ...Object.values(LIP_CORNERS)].flat());
-  const shut = front.points.map((p) => [...p]);
+  const shut = points.map((p) => [...p]);
   const rest = base.seen.map((p) => [...p]);
   closeLips(shut);
   closeLips(rest);

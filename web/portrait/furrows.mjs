@@ -3,6 +3,7 @@
 // the eyes, from the nose to the mouth and from there to the chin. Pictures of old people are retouched or evenly lit, and
 // show less of them.
 import { luma } from './lab.mjs';
+import { OPPOSITE } from './landmarks.mjs';
 import { eachTexel } from './surface.mjs';
 
 const BEGINS = 58; // years
@@ -36,12 +37,7 @@ const RIGHT = [
   { at: [between(129, 203, 0.5), 203, 206, 216, between(216, 212, 0.7)], wide: 1.6, deep: 0.42 },
   { at: [between(61, 57, 0.7), between(43, 202, 0.6), between(204, 210, 0.5)], wide: 1.3, deep: 0.38 },
 ];
-const MIRRORED = {
-  22: 252, 23: 253, 24: 254, 25: 255, 26: 256, 33: 263, 43: 273, 55: 285, 57: 287, 61: 291, 107: 336, 110: 339, 111: 340,
-  112: 341, 116: 345, 117: 346, 118: 347, 119: 348, 120: 349, 121: 350, 128: 357, 129: 358, 139: 368, 143: 372, 156: 383,
-  193: 417, 202: 422, 203: 423, 204: 424, 206: 426, 210: 430, 212: 432, 216: 436,
-};
-const mirrored = (at) => (typeof at === 'number' ? (MIRRORED[at] ?? at) : between(mirrored(at.a), mirrored(at.b), at.share));
+const mirrored = (at) => (typeof at === 'number' ? OPPOSITE[at] : between(mirrored(at.a), mirrored(at.b), at.share));
 const ALL = [...MIDDLE, ...RIGHT, ...RIGHT.map((one) => ({ ...one, at: one.at.map(mirrored) }))];
 
 const grown = (years, from, whole) => Math.min(1, Math.max(0, ((years ?? 0) - from) / (whole - from)));
