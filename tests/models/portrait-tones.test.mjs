@@ -39,6 +39,9 @@ test('orange and pink of the light are held back, what skin may be is kept', () 
     assert.ok(what === 'pink' ? Math.atan2(b, a) > Math.atan2(y, x) + 0.1 : Math.hypot(a, b) < Math.hypot(x, y) - 4, what);
   }
   assert.ok(far(within(skin), skin) < 0.01);
+  const [tan, light] = [[56, 24, 29], [76, 24, 29]].map(unlab);
+  assert.ok(far(within(tan), tan) < 0.01, 'tan skin is more colourful than light skin');
+  assert.ok(far(within(light), light) > 1, 'light skin that is so colourful is lit so');
   assert.ok(far(within(orange), orange) < far(within(orange), unlab([60, 14, 14])), 'orange is no more than held back');
 });
 

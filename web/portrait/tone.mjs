@@ -8,7 +8,9 @@ import { apartFrom, ramp } from './surface.mjs';
 
 const LIT = 0.7; // share of cheeks and forehead in a skin's tone
 const BRIGHTEST = 0.89; // linear, of its red: skin in an overexposed picture would be drawn white
-const CHROMA = 30; // CIELAB: of drawn heads' skin; what is more is mostly the camera's, or a flash's
+// CIELAB: eight in ten official portraits are less colourful than `most` at a lightness, darker skin more so; what is more is
+// mostly the camera's, or a flash's
+const CHROMA = { light: [60, 66], most: [39, 34] };
 const HUE = [0.55, 1.05]; // rad in CIELAB: of eight in ten official portraits; beyond it is the light's
 const KEPT = { chroma: 0.45, hue: 0.35 }; // of the excess
 const HARDER = 1.5; // and as much flatter may light become: a face that is lit from one side keeps no stripe
@@ -19,11 +21,13 @@ export const toneOfBoth = ({ cheeks, face }) => cheeks.map((x, k) => x ** LIT * 
 
 const pressed = (x, [low, high], kept) => (x > high ? high + (x - high) * kept : x < low ? low + (x - low) * kept : x);
 
+const mostChroma = (light) => CHROMA.most[0] + ramp(CHROMA.light, light) * (CHROMA.most[1] - CHROMA.most[0]);
+
 /** A tone of skin that can be drawn: neither overexposed, nor orange, nor pink or green of the light. */
 export function within(tone) {
   const [l, a, b] = lab(tone);
   const [chroma, hue] = [Math.hypot(a, b), Math.atan2(b, a)];
-  const [c, h] = [pressed(chroma, [0, CHROMA], KEPT.chroma), pressed(hue, HUE, KEPT.hue)];
+  const [c, h] = [pressed(chroma, [0, mostChroma(l)], KEPT.chroma), pressed(hue, HUE, KEPT.hue)];
   const dull = c === chroma && h === hue ? tone : unlab([l, c * Math.cos(h), c * Math.sin(h)]);
   const most = Math.max(...dull);
   return most > BRIGHTEST ? dull.map((x) => (x * BRIGHTEST) / most) : dull;
