@@ -103,15 +103,19 @@ function moved({ axis, pivot, radians }, p) {
 
 /**
  * @param {object} model the base, read (web/element/head/model/model.mjs) @param {import('./fit.mjs').Points} base @param
- *   {(number[]|null)[]} target
+ *   {(number[]|null)[]} target @param {((positions: Float32Array) => Float32Array)|null} [sag] by which age moves places
  * @returns {{positions: Map<object, Float32Array>, fdp: object, fapu: object, turns: object[], warp: object}} of the new
  *   head: positions by part
  *   of the model, the rest as in protocol/head-model.md
  */
-export function morph(model, base, target) {
+export function morph(model, base, target, sag = null) {
   const skin = model.parts.find(({ name }) => name === 'skin');
   const warp = warpOf(skin, base, target);
-  const positions = new Map(model.parts.map((part) => [part, warp.apply(part.position)]));
+  const placesOf = ({ position }) => {
+    const by = sag?.(position);
+    return warp.apply(position).map((x, i) => (by ? x + by[i] : x));
+  };
+  const positions = new Map(model.parts.map((part) => [part, placesOf(part)]));
   const centre = (side) => model.turns.find(({ name }) => name === `eye_${side}_yaw`).pivot;
   const eyes = { l: warp.eyes.find(({ from }) => from[0] > 0), r: warp.eyes.find(({ from }) => from[0] < 0) };
   const within = behindLips(model, warp);

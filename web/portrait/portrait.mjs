@@ -12,6 +12,7 @@ import { packPositions } from './pack.mjs';
 import { PortraitError } from './problem.mjs';
 import { layProfile, outlinesOf, withProfiles } from './profile.mjs';
 import { inWhiteLight } from './light.mjs';
+import { sagging } from './sag.mjs';
 import { surfaceOf } from './sheen.mjs';
 import { coded, linear, paintSkin, tonesOf } from './skin.mjs';
 import { toneOfBoth } from './tone.mjs';
@@ -113,7 +114,7 @@ export async function makeHead(own, base, views, images, options = {}) {
   const lines = age && options.old ? linesOf(await images.read(skinOf(options.old)), linear) : null;
   const about = { part, surface: json.materials[part.material], age, years: options.age, lines, texture: await images.read(texture), eyes, worn: lost('glasses'), base, isLid, scalp, light, bearded: options.bearded };
   const skin = paintSkin(about, ordered, fitted.views);
-  const changed = morph(model, base, target);
+  const changed = morph(model, base, target, sagging(base, options.age));
   const head = {
     ...json,
     name: options.name ?? 'portrait',
