@@ -60,6 +60,12 @@ function spared({ eyes }, x, y, z, [near, clear] = SPARED) {
 }
 
 /**
+ * Raised brows, mm: their movement fades to the lid's fold over a longer way, not down the root of the nose, and below the inner half of the hairs it
+ * starts farther from the eyeball. A steep step between nose and lid would look like a pit.
+ */
+const RAISED = { below: 20, root: 0, clear: 20, hairs: [6, 12], inner: 3 };
+
+/**
  * Along a brow the three points share the movement; it fades over the forehead above and to the lid's fold below. Between the brows both sides
  * add up to the whole, and their movement reaches down the root of the nose: no ridge is pinched there. The points lie near the brow's upper border:
  * the zone extends below them by the height of the brow, so that its hairs move without distortion.
@@ -70,27 +76,27 @@ function browActions(actions, ctx, outside, tuning) {
     const xs = names.map((n) => Math.abs(ctx.fdp[n][0]));
     const ys = names.map((n) => ctx.fdp[n][1]);
     const basis = cardinalBasis(xs);
-    const fade = (x, y, z) => {
+    const fadeOf = ({ below: least, root, clear, hairs, inner }) => (x, y, z) => {
       const ax = x * side;
       const line = piecewise(xs, ys, ax);
-      const below = tuning.below + tuning.root * smoothstep(xs[0], 0.4 * xs[0], Math.abs(ax));
+      const below = least + root * smoothstep(xs[0], 0.4 * xs[0], Math.abs(ax));
       const vertical =
         y > line
           ? plateau(y - line, tuning.flat, tuning.above)
           : plateau(line - y, tuning.flatBelow, below);
       const inward = plateau(xs[0] - ax, 0, 2 * xs[0]);
       const outward = plateau(ax - xs[2], 0, tuning.outward);
-      return vertical * inward * outward * plateau(-z, 0, 30) * spared(ctx, x, y, z, tuning.spared);
+      const [near, far] = tuning.spared;
+      const start = clear ? far + (clear - far) * smoothstep(...hairs, line - y) * smoothstep(xs[1], xs[0] + inner, ax) : far;
+      return vertical * inward * outward * plateau(-z, 0, 30) * spared(ctx, x, y, z, [near, start]);
     };
-    BROWS.forEach(([, left, right], i) => {
-      actions.move(
-        side > 0 ? left : right,
-        'both',
-        (v, x, y, z) =>
-          outside(v) &&
-          along(fade(x, y, z) * basis(i, Math.max(xs[0], Math.min(xs[2], x * side))), [0, 1, tuning.forward]),
-      );
-    });
+    for (const [sign, reach] of [['positive', RAISED], ['negative', tuning]]) {
+      const fade = fadeOf(reach);
+      BROWS.forEach(([, left, right], i) => {
+        const share = (x) => basis(i, Math.max(xs[0], Math.min(xs[2], x * side)));
+        actions.move(side > 0 ? left : right, sign, (v, x, y, z) => outside(v) && along(fade(x, y, z) * share(x), [0, 1, tuning.forward]));
+      });
+    }
     const [around, inner] = [ellipsoid(ctx.fdp[names[0]], tuning.squeezeRadii, 0.1), ctx.fdp[names[0]]];
     const squeeze = (x, y, z) => around(x, y, z) * plateau(inner[1] - y, ...tuning.squeezeBelow); // the brow, and not the sides of the nose
     actions.move(
