@@ -22,6 +22,21 @@ function browLine(fdp, side) {
   return (q) => piecewise(x, y, q[0]) - q[1];
 }
 
+const FOLD_PASSES = 3;
+
+/**
+ * Evens the shares of the upper lid's skin along its surface. In a deep fold neighbours lie at nearly the same height below the brow and distance from
+ * the margin, in another order than along the skin: shares by height and distance alone would turn the fold over, and a slit would stay in closed lids.
+ * No share grows: skin under the hairs of the brow stays in place.
+ */
+function smoothFold(shares, moved, near) {
+  const fold = moved.filter(({ v, lid }) => lid === 'upper' && shares[v] > 0 && shares[v] < 1);
+  for (let pass = 0; pass < FOLD_PASSES; pass++) {
+    const next = fold.map(({ v }) => Math.min(shares[v], (shares[v] + near[v].reduce((sum, n) => sum + shares[n], 0) / near[v].length) / 2));
+    fold.forEach(({ v }, i) => (shares[v] = next[i]));
+  }
+}
+
 /**
  * Weights of both lids of one eye over the base vertices, and the angle that closes the eye where the weight is 1.
  */
@@ -70,6 +85,7 @@ export function lidWeights(ctx, side, tuning) {
   const shares = first ? new Float32Array(weights.upper.length) : ctx.lidShares[side];
   ctx.lidShares = { ...ctx.lidShares, [side]: shares };
   const belowBrow = browLine(ctx.fdp, side);
+  const moved = [];
   for (let v = 0; v < weights.upper.length; v++) {
     const lash = lashes[0][v] || lashes[1][v];
     if (!(skin.has(v) || lash) || behind.has(v)) continue;
@@ -80,10 +96,10 @@ export function lidWeights(ctx, side, tuning) {
     const reach = isUpper ? tuning.upperReach : tuning.lowerReach;
     const free = isUpper ? smoothstep(...BELOW_BROW, belowBrow(q)) : 1;
     if (first) shares[v] = free * plateau(near.distance, tuning.rigid, reach);
-    const fade = lash || inside.has(v) ? 1 : shares[v];
-    const lid = isUpper ? 'upper' : 'lower';
-    weights[lid][v] = Math.min(1, (fade * near.value[0]) / angle[lid]);
+    moved.push({ v, gap: near.value[0], lid: isUpper ? 'upper' : 'lower', whole: lash || inside.has(v) });
   }
+  if (first) smoothFold(shares, moved.filter(({ whole }) => !whole), topology.near);
+  for (const { v, gap: mine, lid, whole } of moved) weights[lid][v] = Math.min(1, ((whole ? 1 : shares[v]) * mine) / angle[lid]);
   return { ...weights, angle, centre };
 }
 
