@@ -36,9 +36,10 @@ const FULL_MIDDLE = 1.6;
 const ROLL = { back: 1.1, up: 0.35 };
 /**
  * Rounded lips, in front of the teeth: protruded lips hang lower (mm per mm); so do lips whose corners are drawn together, and the wet inside of
- * the upper lip moves down behind its border (mm per mm of each corner). Both lips move down, so the opening stays.
+ * the upper lip moves down behind its border (mm per mm of each corner). Both lips move down, so the opening stays. The corners follow protruded lips
+ * (mm per mm of each lip): left where they are, they would pull a round opening to a V.
  */
-const ROUNDING = { hang: 1, hangLower: 0.4, draw: 0.12, curtain: 0.3 };
+const ROUNDING = { hang: 1, hangLower: 0.4, draw: 0.12, curtain: 0.3, corners: 0.8 };
 /**
  * These values hold for incisors whose edge is that many mm below the line of the lips. If the edge is at the line (with age), protruded lips
  * hang that much less per mm, so that they rise from the lower teeth (both, so the opening stays), and a retracted lower lip rises to the edge.
@@ -119,11 +120,12 @@ export function mouthActions(actions, ctx, grid, tuning) {
   push(16, isLower, -tuning.pushEvert);
   push(17, isUpper, tuning.pushEvert);
   const middle = (v) => (grid.inner[v] + grid.outer[v]) * plateau(Math.abs(grid.s[v]), 0.4, tuning.pushWidth);
+  const corners = (v) => (grid.inner[v] + grid.outer[v]) * (basis(CORNER_L, grid.s[v]) + basis(CORNER_R, grid.s[v]));
   for (const [fap, mine, hang] of [
     [16, isLower, rounding.hangLower - high * HIGH_TEETH.hangLower],
     [17, isUpper, rounding.hang - high * HIGH_TEETH.hang],
   ])
-    actions.plainMove(fap, 'positive', (v) => mine(v) && along(middle(v) * hang, [0, -1, 0]));
+    actions.plainMove(fap, 'positive', (v) => along((mine(v) ? middle(v) * hang : 0) + corners(v) * rounding.corners, [0, -1, 0]));
   actions.plainMove(16, 'negative', (v) => isLower(v) && along(middle(v) * high * HIGH_TEETH.rise, [0, -1, 0]));
   for (const fap of [6, 7]) {
     actions.plainMove(fap, 'negative', (v) => along(middle(v) * rounding.draw, [0, 1, 0])); // times a value below 0
