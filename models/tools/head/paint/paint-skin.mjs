@@ -108,7 +108,7 @@ export async function paintSkin(spec, scene) {
 function scalpOf({ scalp }, grown, q) {
   if (!grown) return q[1] - scalp.slope * q[2] - scalp.level + 4 * noise(q[0] / 5, q[1] / 5, q[2] / 5);
   const strokes = noise(q[0] / 0.9, q[1] / 5, q[2] / 2.5) + 0.8 * noise(q[0] / 5, q[1] / 5, q[2] / 5);
-  return aboveLine(grown.line, q) + 4 * strokes;
+  return aboveLine(grown.line, q) + (grown.hangs ? 2 : 4) * strokes; // combed from a parting, hair does not stand on end
 }
 
 const PARTING = [0.4, 2.4]; // mm from the middle of a parting, between which skin becomes scalp
