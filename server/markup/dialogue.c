@@ -11,7 +11,7 @@
 /* Factors of the voice's pitch. */
 static const double pitches[] = {1.14, 0.86};
 
-enum { PERSONS = 2, SILENT_MOST = 1 /* paragraphs within a dialogue */ };
+enum { PERSONS = 2, SILENT_MOST = 1 /* paragraphs within a dialogue */, NEAR_BYTES = 80 };
 
 enum sign {
     PLAIN,
@@ -212,6 +212,31 @@ static void read_dashes(struct dialogue *d, size_t from, size_t to) {
     d->goes_on = false;
 }
 
+/* True for words that the narrator quotes within a sentence ("chiamato «per affari che premono»"): a word
+ * stands before [at, end), no mark ends it, and no verb of speaking is near. */
+static bool is_cited(const struct dialogue *d, size_t from, size_t at, size_t end, size_t to) {
+    enum sign sign, before = SPACE, last = SPACE;
+    size_t near = at - from > NEAR_BYTES ? at - NEAR_BYTES : from,
+           after = to - end > NEAR_BYTES ? end + NEAR_BYTES : to;
+    uint32_t c;
+    while (near < at && ((unsigned char)d->text[near] & 0xC0) == 0x80)
+        near++;
+    while (after > end && after < to && ((unsigned char)d->text[after] & 0xC0) == 0x80)
+        after--;
+    for (size_t i = near; i < at;) {
+        i = next(d, i, &c);
+        sign = sign_of(d, c);
+        before = sign == SPACE ? before : sign;
+    }
+    for (size_t i = at; i < end;) {
+        i = next(d, i, &c);
+        sign = sign_of(d, c);
+        last = sign == MARK || sign == PLAIN ? sign : last;
+    }
+    return before == PLAIN && last == PLAIN && !dialogue_verb_near(d->text, near, at, true, d->lang) &&
+           !dialogue_verb_near(d->text, end, after, false, d->lang);
+}
+
 static void read_quotes(struct dialogue *d, size_t from, size_t to) {
     bool taken = false, first = true, went_on = d->goes_on;
     enum sign before = SPACE;
@@ -224,7 +249,7 @@ static void read_quotes(struct dialogue *d, size_t from, size_t to) {
         if (sign == OPENS || (sign == EITHER && (before == SPACE || before == DASH || before == OPENS))) {
             bool closed;
             size_t end = end_of_quote(d, after, to, c, &closed);
-            if (is_speech(d, after, end)) {
+            if (is_speech(d, after, end) && !(closed && is_cited(d, from, at, end, to))) {
                 take_turn(d, &taken, went_on && first);
                 add(d, at, end);
                 d->goes_on = !closed;

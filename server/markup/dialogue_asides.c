@@ -5,7 +5,7 @@
 #include <string.h>
 #include <utf8proc.h>
 
-enum { WORD_BYTES = 32, ASIDE_BYTES = 200, SUBJECT_WORDS = 4 };
+enum { WORD_BYTES = 32, ASIDE_BYTES = 200, SUBJECT_WORDS = 4, NEAR_WORDS = 4 };
 
 struct word {
     char lower[WORD_BYTES];
@@ -154,4 +154,22 @@ bool dialogue_aside(const char *text, size_t from, size_t to, const char *lang, 
         }
     }
     return false;
+}
+
+bool dialogue_verb_near(const char *text, size_t from, size_t to, bool last, const char *lang) {
+    const struct dialogue_words *words = dialogue_words_of(lang);
+    size_t found = SIZE_MAX, count = 0;
+    if (!words)
+        return true;
+    for (struct word w; from < to && (last || count < NEAR_WORDS); from = w.next) {
+        read_word(text, from, to, words->verb_last, &w);
+        count += *w.lower != '\0';
+        if (dialogue_word_in(words->verbs, w.lower))
+            found = count;
+        bool ends = w.mark == '.' || w.mark == '!' || w.mark == '?';
+        if (ends && !last)
+            break;
+        found = ends ? SIZE_MAX : found;
+    }
+    return found != SIZE_MAX && (!last || count - found < NEAR_WORDS);
 }

@@ -37,6 +37,10 @@ bool dialogue_word_in(const char *list, const char *word);
  * are found. */
 bool dialogue_aside(const char *text, size_t from, size_t to, const char *lang, size_t *begins, size_t *ends);
 
+/* True if one of the last four words of text[from..to) (last false: of the first four) is a verb of speaking,
+ * or if the language has no table of verbs. */
+bool dialogue_verb_near(const char *text, size_t from, size_t to, bool last, const char *lang);
+
 /* ---- who speaks: by the narrator's words ("disse Renzo", "Mr. Brown said:"), and between two named persons
  * by taking turns ---- */
 

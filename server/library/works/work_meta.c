@@ -53,13 +53,13 @@ void work_meta_earlier(char **date, const char *text) {
     work_meta_set(date, text);
 }
 
-/* True for the years of a life, in the text [from, to): "1832-1898", "ca. 1300", "1850-". */
+/* True for the years of a life, in the text [from, to): "1832-1898", "ca. 1300", "1850-", "18??-19??". */
 static bool is_life(const char *from, const char *to) {
     size_t letters = 0;
     bool year = false;
     for (const char *at = from; at < to;) {
         size_t digits = strspn(at, figures);
-        year = year || digits == 3 || digits == 4;
+        year = year || digits == 3 || digits == 4 || (digits == 2 && at[2] == '?');
         letters += isalpha((unsigned char)*at) != 0;
         at += digits ? digits : 1;
     }

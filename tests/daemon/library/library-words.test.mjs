@@ -101,7 +101,7 @@ before(async () => {
   fs.writeFileSync(path.join(works, 'copy.xml'), tei('<p>Testo.</p>', { head: header(full) }));
   fs.writeFileSync(path.join(works, 'only.xml'), tei('<p>Testo.</p>', { head: header('<titleStmt><title>Copia</title><author>Ugo Bo<affiliation>Un istituto</affiliation><email>u@example.org</email></author></titleStmt>') }));
   fs.writeFileSync(path.join(works, 'dates.xml'), tei('<p>Testo.</p>', {
-    head: `${header('<titleStmt><title>Il molo: un racconto : ELTeC edition: an electronic edition</title><author>Neri, Ada (1832-1898).</author><author>Bo, Ugo, ca. 1790-</author><author>Lia [pseud.] (detta la Mora)</author></titleStmt><publicationStmt><date>2021</date></publicationStmt><sourceDesc><bibl type="digital"><date>1991</date></bibl><bibl type="firstEdition">Lucca, <date>1866</date></bibl></sourceDesc>').replace('</teiHeader>', '<profileDesc><creation><date>800</date><date notBefore="1863">circa</date></creation></profileDesc></teiHeader>')}<standOff><listEvent><event type="battle" when="1492"/><event type="print" when="1870"/></listEvent></standOff>`,
+    head: `${header('<titleStmt><title>Il molo: un racconto : ELTeC edition: an electronic edition</title><author>Neri, Ada (1832-1898).</author><author>Bo, Ugo, ca. 1790-</author><author>Po, Eva (18??-19??)</author><author>Lia [pseud.] (detta la Mora)</author></titleStmt><publicationStmt><date>2021</date></publicationStmt><sourceDesc><bibl type="digital"><date>1991</date></bibl><bibl type="firstEdition">Lucca, <date>1866</date></bibl></sourceDesc>').replace('</teiHeader>', '<profileDesc><creation><date>800</date><date notBefore="1863">circa</date></creation></profileDesc></teiHeader>')}<standOff><listEvent><event type="battle" when="1492"/><event type="print" when="1870"/></listEvent></standOff>`,
   }));
   fs.writeFileSync(path.join(works, 'ancient.xml'), tei('<p>Testo.</p>', { head: `${header('<titleStmt><title>Nave: elettronica</title><author>Bo, U.</author></titleStmt><sourceDesc><bibl><date>1896</date></bibl></sourceDesc>')}<standOff><listEvent><event type="premiere" when="-0200"/><event type="written"/></listEvent></standOff>` }));
   fs.writeFileSync(path.join(works, 'latin.xml'), Buffer.from('<?xml version="1.0" encoding="ISO-8859-1"?><TEI xmlns="http://www.tei-c.org/ns/1.0"><teiHeader/><text xml:lang="it"><body><p>perch\xe9</p></body></text></TEI>', 'latin1'));
@@ -174,7 +174,7 @@ test('the header: omits authority numbers of authors, reads the date of the sour
   assert.equal(await read('old'), 'Vecchia forma.');
   // the years of authors' lives and the form of the edition belong to neither name nor title; the earliest date of the source is the work's
   const told = (work) => (({ title, author, date }) => [title, author, date])(named(work));
-  assert.deepEqual(told('dates'), ['Il molo: un racconto', 'Neri, Ada; Bo, Ugo; Lia [pseud.] (detta la Mora)', '1863']);
+  assert.deepEqual(told('dates'), ['Il molo: un racconto', 'Neri, Ada; Bo, Ugo; Po, Eva; Lia [pseud.] (detta la Mora)', '1863']);
   assert.deepEqual(told('ancient'), ['Nave: elettronica', 'Bo, U.', '-0200']);
 });
 

@@ -41,6 +41,9 @@ test('quotation marks of several languages; apostrophes and quoted words are no 
     ['Il «buono» e il "brutto".', ['']],
     ['L’acqua dell’orto.', ['']],
     ['«Un detto “famoso” dice», rispose.', ['1', '']],
+    ['Tornò chiamato da don Anselmo «per affari che premono». Nel paese bolle "la gran fiumana dei vizi" e basta.', ['']],
+    ['Lesse «tutto il giornale» e tacque. Disse «vieni qui». Poi «torno subito» rispose.', ['', '1', '', '1', '']],
+    ['Il maestro: «due e due». E lei «quattro!»', ['', '1', '', '1']],
   ]) assert.deepEqual(heard(text).map(([who]) => who), expected, text);
 });
 
