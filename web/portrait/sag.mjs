@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What age does to the form of a face and one picture from the front does not tell: upper lids and cheeks sink, folds deepen
 // from the nose to the mouth and from there to the chin, jowls and bags under the eyes stand out, temples are hollow, and skin
-// hangs under the chin. Small moves at landmarks, which fade with the distance.
+// hangs under the chin. Small moves at landmarks, which fade with the distance; their sizes were set by eye on old faces.
 import { EYES, LIP_CORNERS, LOWER_LIP, OPPOSITE, UPPER_LIP } from './landmarks.mjs';
 import { apartFrom, ramp } from './surface.mjs';
 
