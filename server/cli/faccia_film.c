@@ -415,6 +415,7 @@ static int start(struct film *f, const char *head, const char *partner, double f
                                      .faces = &f->media.faces.out,
                                      .words = &f->media.captions.out,
                                      .still = request->still || f->o.visemes || f->o.expression,
+                                     .shows = f->o.shows,
                                      .life = request->life < 0 ? 1 : fmin(1, request->life),
                                      .rate = f->media.faces.fps,
                                      .fps = fps,

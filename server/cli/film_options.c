@@ -31,6 +31,8 @@ static const char usage[] =
     "                       of drawing; high: soft edges, slower (fine); pictures: the head's set of\n"
     "                       pictures, as on devices that cannot draw a head\n"
     "      --pictures FILE  films a set of pictures (models/tools/pictures makes them of photographs)\n"
+    "      --show mesh,points,zone=FAP\n"
+    "                       over the face: its triangles, MPEG-4's feature points, and what a FAP moves\n"
     "      --captions burn|track\n"
     "                       the words as captions: in the picture, or beside it (.mp4, .webm)\n"
     "      --lossless       keeps every pixel and every sample of the sound (.mp4; few players read it)\n"
@@ -88,6 +90,29 @@ static int take_quality(struct film_options *f, const char *text) {
     f->level = i < 0 ? NULL : levels[i];
     f->as_pictures = i == 3;
     return i < 0 ? EXIT_USAGE : -1;
+}
+
+/* Takes mesh, points and zone=FAP, with commas between. */
+static int take_show(struct film_options *f, const char *text) {
+    for (const char *word = text; *word;) {
+        size_t length = strcspn(word, ",");
+        unsigned fap = 0;
+        int used = 0;
+        if (length == 4 && !strncmp(word, "mesh", length))
+            f->shows.mesh = true;
+        else if (length == 6 && !strncmp(word, "points", length))
+            f->shows.points = true;
+        else if (sscanf(word, "zone=%2u%n", &fap, &used) == 1 && (size_t)used == length && fap >= 3 &&
+                 fap <= FAP_COUNT)
+            f->shows.zone = fap;
+        else
+            break;
+        word += length;
+        if (!*word)
+            return -1;
+        word++;
+    }
+    return wrong("--show", text, "mesh, points, or zone= and a FAP from 3 to 68, with commas between");
 }
 
 static int take_captions(struct film_options *f, const char *text) {
@@ -150,6 +175,7 @@ enum {
     VIEW,
     QUALITY,
     PICTURES,
+    SHOW,
     CAPTIONS,
     LOSSLESS,
     AT,
@@ -191,6 +217,8 @@ static int take_own(struct film_options *f, int option, char *text) {
     case PICTURES:
         f->pictures = text;
         return -1;
+    case SHOW:
+        return take_show(f, text);
     case CAPTIONS:
         return take_captions(f, text);
     case LOSSLESS:
@@ -243,6 +271,8 @@ static int check(const struct film_options *f, const struct speech_request *requ
         return refuse("--passage: --from films a recorded face");
     if (f->pictures && (f->model || f->partner || (f->level && !f->as_pictures)))
         return refuse("--pictures: it takes the place of --model, and has one quality");
+    if ((f->pictures || f->as_pictures) && (f->shows.mesh || f->shows.points || f->shows.zone))
+        return refuse("--show: pictures have nothing behind them; a head has");
     if (f->visemes &&
         (f->from || f->library || f->partner || f->at >= 0 || f->captions || f->format != FILM_STILL))
         return refuse("--visemes: a sheet is one .png, of nothing else");
@@ -285,6 +315,7 @@ int film_options_read(int argc, char **argv, struct film_options *f, struct spee
         {"view", 1, NULL, VIEW},
         {"quality", 1, NULL, QUALITY},
         {"pictures", 1, NULL, PICTURES},
+        {"show", 1, NULL, SHOW},
         {"captions", 1, NULL, CAPTIONS},
         {"lossless", 0, NULL, LOSSLESS},
         {"at", 1, NULL, AT},

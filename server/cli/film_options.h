@@ -4,6 +4,7 @@
 #define FACCIA_CLI_FILM_OPTIONS_H
 
 #include "server/cli/cli.h"
+#include "server/film/film_browser.h"
 #include "server/film/film_coder.h"
 
 struct film_options {
@@ -13,6 +14,7 @@ struct film_options {
     unsigned width, height;                  /* pixels; 0 = not given */
     double at;                               /* negative: the whole */
     bool lossless, transparent, as_pictures; /* the head's set of pictures is filmed */
+    struct film_shows shows;
     enum film_format format;
     enum film_captions captions;
     bool fps_given;

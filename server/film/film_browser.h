@@ -10,6 +10,12 @@
 #include <stdint.h>
 #include <uv.h>
 
+/* What of a head's inside is drawn over it. All 0: nothing. */
+struct film_shows {
+    bool mesh, points; /* its triangles, MPEG-4's feature points */
+    unsigned zone;     /* a FAP, whose vertices are shown; 0: none */
+};
+
 /* What to draw: see Job in web/film/film.mjs. */
 struct film_scene {
     const char *web;         /* folder of the built client */
@@ -24,6 +30,7 @@ struct film_scene {
     const struct buf *faces; /* 32-bit values by FAP number, for each face */
     const struct buf *words; /* WebVTT, which tells when each of two heads speaks; of a partner only */
     bool still;              /* no breath, no sway of hair; two heads do not turn to each other */
+    struct film_shows shows; /* drawn over the face */
     double life;             /* how deeply they breathe, 0 to 1 */
     double rate;             /* faces per second */
     double fps, start;       /* pictures per second; time of the first, seconds */

@@ -86,7 +86,7 @@ test('has each picture once, at its time, and the sound sample by sample', () =>
   assert.deepEqual(doubled, []);
   assert.ok(still.length >= 3 && shown.some((_, k) => k && large(k)), `${still.length}`);
   // closed lips at their pictures, open ones between them
-  const opening = shown.map(dark);
+  const opening = shown.map((picture) => dark(picture));
   const during = (phone) => {
     const { first, end } = shownWithin(phone, fps);
     return opening.slice(first, end);
@@ -192,13 +192,33 @@ test('a set of pictures moves its lips as the score does, once for each picture'
   assert.ok(Math.min(...during('a')) > Math.max(...during('m')) + 4, `a ${during('a')} m ${during('m')}`);
 });
 
-test('what cannot be filmed as pictures is told', () => {
+test('mesh, feature points and the zone of a FAP are drawn over the face', () => {
+  const one = (name, ...args) => {
+    film(name, ...SAID, '--model', 'ettore', '--at', '0.2', '--background', 'white', ...SMALL, ...args, TEXT);
+    return pictures(name, 160 * 120 * 3)[0];
+  };
+  /** Rows of the pixels that an overlay made much more like this colour. */
+  const plain = one('bare.png');
+  const rows = (shown, colour) => Array.from({ length: 160 * 120 }, (_, i) => i).filter((i) => {
+    const far = (picture) => colour.reduce((sum, value, k) => sum + Math.abs(value - picture[3 * i + k]), 0);
+    return far(plain) - far(shown) > 60;
+  }).map((i) => Math.floor(i / 160));
+  const mesh = rows(one('mesh.png', '--show', 'mesh'), [0, 114, 178]), zone = rows(one('zone.png', '--show', 'zone=3'), [213, 94, 0]);
+  assert.ok(mesh.length > 2000, `${mesh.length}`);
+  assert.ok(zone.length > 60 && Math.min(...zone) > 60, `${zone.length} from row ${Math.min(...zone)}`); // the jaw
+  const both = one('both.png', '--show', 'points,mesh');
+  assert.ok(rows(both, [0, 158, 115]).length > 60 && rows(both, [0, 114, 178]).length > 1000);
+});
+
+test('what cannot be filmed as pictures, or shown, is told', () => {
   const refused = (...args) => faccia(['film', '-o', at('no.png'), '--at', '0', ...args, 'Ciao.']);
   for (const [args, pattern] of [
     [['--pictures', at('missing.json')], /--pictures: .*missing\.json: No such file/],
     [['--pictures', path.join(build, 'models/heads/mara.json')], /--pictures: .*mara\.json: this is not a set of pictures/],
     [['--model', path.join(build, 'models/pictures/mara.json')], /--model: .*mara\.json: this is not a head model/],
     [['--model', at('missing.json')], /--model: .*missing\.json: No such file/],
+    [['--quality', 'pictures', '--show', 'mesh'], /--show: pictures have nothing behind them/],
+    [['--show', 'mesh,bones'], /--show: invalid value 'mesh,bones': expected mesh, points, or zone=/],
     [['--pictures', 'x.json', '--model', 'mara'], /--pictures: it takes the place of --model/],
     [['--pictures', 'x.json', '--quality', 'low'], /--pictures: it takes the place of --model, and has one quality/],
   ]) {

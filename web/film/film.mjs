@@ -26,6 +26,7 @@ const DRAWING = 2; // pictures that are drawn while others are read back
  * @property {number} ahead pictures that may be on their way
  * @property {boolean} pair whether there are two heads, side by side @property {boolean} still only their lips move
  * @property {number} life how deeply they breathe, 0 to 1
+ * @property {{mesh: boolean, points: boolean, zone: number}|null} shows what is drawn over the face: see AnatomyPainter
  */
 
 const fetched = async (name) => {
@@ -139,8 +140,8 @@ class Film {
     let changed = null;
     for (const [i, picture] of pictures.entries()) {
       if (!picture) continue;
-      const { pixels, left, width } = this.places[i];
-      changed = await pixels.read(picture);
+      const { left, width } = this.places[i];
+      changed = await this.places[i].read(picture);
       if (this.whole) this.#put(changed, left, width);
     }
     this.socket.send(changed ? (this.whole ?? changed) : new Uint8Array(0));

@@ -31,7 +31,6 @@ export class PicturesPlace {
     place.behind = background && place.#paint(job, background);
     place.placed = contextOf(width, job.height);
     place.out = contextOf(width, job.height, true);
-    place.pixels = { read: async (bytes) => bytes };
     return place;
   }
 
@@ -67,7 +66,7 @@ export class PicturesPlace {
     placed.fillRect(0, 0, width, height);
   }
 
-  /** Draws a face. @returns {Uint8Array|null} its pixels; null: it is drawn already */
+  /** Draws a face. @returns {Uint8Array|null} for `read`; null: it is drawn already */
   draw(values) {
     if (this.#drawn?.every((value, n) => value === values[n])) return null;
     this.#drawn = [...values];
@@ -88,6 +87,11 @@ export class PicturesPlace {
     const { data } = out.getImageData(0, 0, width, height);
     if (!this.behind) multiplyIn(data);
     return new Uint8Array(data.buffer);
+  }
+
+  /** @returns {Promise<Uint8Array>} as Place.read */
+  async read(bytes) {
+    return bytes;
   }
 }
 

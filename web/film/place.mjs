@@ -7,6 +7,7 @@ import { Head } from '../element/head/head.mjs';
 import { LEVELS } from '../element/head/quality.mjs';
 import { View } from '../element/head/view.mjs';
 import { Backdrop } from './backdrop.mjs';
+import { layOver, Overlay } from './overlay.mjs';
 
 const POLL_MS = 2;
 
@@ -72,7 +73,7 @@ export class Place {
   #breath = new Breath();
 
   /**
-   * @param {object} job width, height, level, view, still and life of a Job
+   * @param {object} job width, height, level, view, still, life and shows of a Job
    * @param {{colour?: number[], image?: TexImageSource}|null} background @param {object} json of the head
    * @param {number} left @param {number} width pixels
    */
@@ -88,6 +89,7 @@ export class Place {
     const picture = { width: job.width, height: job.height, part, deep: !place.view.target };
     place.backdrop = background && new Backdrop(renderer, { ...picture, ...background });
     place.pixels = new Pixels(renderer.getContext(), { width, height: job.height });
+    place.overlay = job.shows ? new Overlay(width, job.height, job.shows) : null;
     return place;
   }
 
@@ -110,12 +112,19 @@ export class Place {
     this.view.dispose();
   }
 
-  /** Begins to draw the face of the last moment. @returns {object|null} for `Pixels.read`; null: it is drawn already */
+  /** Begins to draw the face of the last moment. @returns {object|null} for `read`; null: it is drawn already */
   draw(values, seconds) {
     const shown = [...values, ...(this.head.sway?.lag ?? [])];
     if (this.#drawn?.every((value, n) => value === shown[n])) return null;
     this.#drawn = shown;
     this.show(values, this.still ? null : seconds);
-    return this.pixels.ask();
+    return { asked: this.pixels.ask(), over: this.overlay?.draw(this.view) };
+  }
+
+  /** @returns {Promise<Uint8Array>} RGBA with the alpha multiplied in, the lowest line first; valid until the next call */
+  async read({ asked, over }) {
+    const bytes = await this.pixels.read(asked);
+    if (over) layOver(bytes, over);
+    return bytes;
   }
 }
