@@ -205,7 +205,7 @@ test('mesh, feature points and the zone of a FAP are drawn over the face', () =>
   }).map((i) => Math.floor(i / 160));
   const mesh = rows(one('mesh.png', '--show', 'mesh'), [0, 114, 178]), zone = rows(one('zone.png', '--show', 'zone=3'), [213, 94, 0]);
   assert.ok(mesh.length > 2000, `${mesh.length}`);
-  assert.ok(zone.length > 60 && Math.min(...zone) > 60, `${zone.length} from row ${Math.min(...zone)}`); // the jaw
+  assert.ok(zone.length > 60 && Math.min(...zone) > 52, `${zone.length} from row ${Math.min(...zone)}`); // the jaw, below the eyes
   const both = one('both.png', '--show', 'points,mesh');
   assert.ok(rows(both, [0, 158, 115]).length > 60 && rows(both, [0, 114, 178]).length > 1000);
 });

@@ -65,7 +65,13 @@ export async function picture(page, name, faps) {
     const head = document.querySelector('talking-head');
     head.pose(values);
     head.shadowRoot.querySelector('.captions').style.visibility = 'hidden'; // they may linger over the picture
-    for (let i = 0; i < 3; i++) await new Promise(requestAnimationFrame);
+    // until hair has come to rest, too
+    for (let i = 0, same = 0, before = -1; i < 200 && same < 3; i++) {
+      await new Promise(requestAnimationFrame);
+      const { frames } = head.debug();
+      same = frames === before ? same + 1 : 0;
+      before = frames;
+    }
   }, faps);
   const png = await page.locator('talking-head canvas').screenshot();
   await page.evaluate(() => (document.querySelector('talking-head').shadowRoot.querySelector('.captions').style.visibility = ''));
