@@ -274,7 +274,7 @@ extern const struct members coach_members; /* members of its query */
 /* openai_speech.c: POST /v1/audio/speech, and what its clients choose from. Both lists are the caller's. */
 int openai_speech(struct exchange *x);
 json_t *openai_voices(const struct api *api); /* {"voices"} */
-json_t *openai_models(const struct api *api); /* an array of models of speech */
+json_t *openai_models(void);                  /* an array of models of speech */
 
 /* Speech requested over HTTP, by the query and by the body if there is one: plain text, or a JSON object
  * that contains it. */

@@ -23,7 +23,7 @@ static const struct {
     {"verse", GENDER_MALE},
 };
 
-/* What clients know as models of speech. A request may name any. */
+/* Names of OpenAI's models of speech. A request may have any name. */
 static const char *const usual_models[] = {"tts-1", "tts-1-hd", "gpt-4o-mini-tts"};
 
 json_t *openai_voices(const struct api *api) {
@@ -42,9 +42,8 @@ json_t *openai_voices(const struct api *api) {
     return json_pack("{so}", "voices", list);
 }
 
-json_t *openai_models(const struct api *api) {
+json_t *openai_models(void) {
     json_t *list = json_array();
-    (void)api;
     for (size_t i = 0; i < sizeof usual_models / sizeof *usual_models; i++)
         json_array_append_new(list,
                               json_pack("{ss ss ss si ss}", "id", usual_models[i], "name", usual_models[i],

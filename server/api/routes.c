@@ -11,12 +11,12 @@ static json_t *voices(const struct api *api) {
 
 /* The heads, and for clients of OpenAI's API its models of speech. */
 static json_t *models(const struct api *api) {
-    return json_pack("{so ss so}", "models", message_models(api), "object", "list", "data",
-                     openai_models(api));
+    return json_pack("{so ss so}", "models", message_models(api), "object", "list", "data", openai_models());
 }
 
 static json_t *audio_models(const struct api *api) {
-    return json_pack("{so}", "models", openai_models(api));
+    (void)api;
+    return json_pack("{so}", "models", openai_models());
 }
 
 static json_t *expressions(const struct api *api) {

@@ -9,6 +9,8 @@
 #include <unistd.h>
 #include <zlib.h>
 
+static const char head_format[] = "faccia-head";
+
 /* Reads a file of this format, or returns NULL. */
 static json_t *model_at(const char *file, const char *format) {
     json_t *model = json_load_file(file, 0, NULL);
@@ -19,8 +21,14 @@ static json_t *model_at(const char *file, const char *format) {
     return NULL;
 }
 
-static json_t *head_at(const char *file) {
-    return model_at(file, "faccia-head");
+/* The same of a file that an option names: NULL after a message, which says that it is not `what`. */
+static json_t *named_model(const char *option, const char *file, const char *format, const char *what) {
+    json_t *model = model_at(file, format);
+    if (!model && access(file, R_OK))
+        cli_complain("%s: %s: %s", option, file, strerror(errno));
+    else if (!model)
+        cli_complain("%s: %s: this is not a %s", option, file, what);
+    return model;
 }
 
 json_t *cli_head_find(const struct settings *settings, const char *option, const char *name,
@@ -32,11 +40,7 @@ json_t *cli_head_find(const struct settings *settings, const char *option, const
     size_t length = strlen(wanted);
     if (strchr(wanted, '/') || (length > 5 && !strcmp(wanted + length - 5, ".json"))) {
         snprintf(file, PATH_MAX, "%s", wanted);
-        best = head_at(wanted);
-        if (!best)
-            cli_complain("%s: %s: %s", option, wanted,
-                         access(wanted, R_OK) ? strerror(errno) : "this is not a head model");
-        return best;
+        return named_model(option, wanted, head_format, "head model");
     }
     snprintf(pattern, sizeof pattern, "%s/heads/%s.json", settings->models, wanted);
     if ((name && strpbrk(name, "*?[")) || glob(pattern, 0, NULL, &found)) {
@@ -44,7 +48,7 @@ json_t *cli_head_find(const struct settings *settings, const char *option, const
         return NULL;
     }
     for (size_t i = 0; i < found.gl_pathc; i++) {
-        json_t *head = head_at(found.gl_pathv[i]), *rank = json_object_get(head, "rank");
+        json_t *head = model_at(found.gl_pathv[i], head_format), *rank = json_object_get(head, "rank");
         bool first =
             head && (!best || (json_is_number(rank) &&
                                json_number_value(rank) < json_number_value(json_object_get(best, "rank"))));
@@ -79,10 +83,7 @@ int cli_head_pictures(const struct settings *settings, const json_t *head, char 
 }
 
 int cli_pictures_check(const char *option, const char *file) {
-    json_t *set = model_at(file, "faccia-pictures");
-    if (!set)
-        cli_complain("%s: %s: %s", option, file,
-                     access(file, R_OK) ? strerror(errno) : "this is not a set of pictures");
+    json_t *set = named_model(option, file, "faccia-pictures", "set of pictures");
     json_decref(set);
     return set ? 0 : -1;
 }

@@ -88,7 +88,7 @@ static int take_quality(struct film_options *f, const char *text) {
     static const char *const levels[] = {"low", "fine", "high", "pictures", NULL};
     int i = choose("--quality", text, levels, "low, fine, high or pictures");
     f->level = i < 0 ? NULL : levels[i];
-    f->as_pictures = i == 3;
+    f->as_pictures = i >= 0 && !strcmp(levels[i], "pictures");
     return i < 0 ? EXIT_USAGE : -1;
 }
 
@@ -271,7 +271,7 @@ static int check(const struct film_options *f, const struct speech_request *requ
         return refuse("--passage: --from films a recorded face");
     if (f->pictures && (f->model || f->partner || (f->level && !f->as_pictures)))
         return refuse("--pictures: it takes the place of --model, and has one quality");
-    if ((f->pictures || f->as_pictures) && (f->shows.mesh || f->shows.points || f->shows.zone))
+    if ((f->pictures || f->as_pictures) && film_shows_any(f->shows))
         return refuse("--show: pictures have nothing behind them; a head has");
     if (f->visemes &&
         (f->from || f->library || f->partner || f->at >= 0 || f->captions || f->format != FILM_STILL))

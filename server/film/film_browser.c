@@ -197,7 +197,7 @@ static void add_job(struct film_browser *b, const struct film_scene *s) {
                   (int)s->height, "level", s->level, "view", s->view, "colour", s->colour, "image",
                   s->image != NULL, "rate", s->rate, "fps", s->fps, "start", s->start, "count", (int)s->count,
                   "ahead", AHEAD, "pair", s->partner != NULL, "still", s->still, "life", s->life);
-    if (s->shows.mesh || s->shows.points || s->shows.zone)
+    if (film_shows_any(s->shows))
         json_object_set_new(job, "shows",
                             json_pack("{sb sb si}", "mesh", s->shows.mesh, "points", s->shows.points, "zone",
                                       (int)s->shows.zone));

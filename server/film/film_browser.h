@@ -16,6 +16,10 @@ struct film_shows {
     unsigned zone;     /* a FAP, whose vertices are shown; 0: none */
 };
 
+static inline bool film_shows_any(struct film_shows shows) {
+    return shows.mesh || shows.points || shows.zone;
+}
+
 /* What to draw: see Job in web/film/film.mjs. */
 struct film_scene {
     const char *web;         /* folder of the built client */

@@ -45,6 +45,9 @@ function pictures(file, bytes, { format = 'rgb24', decoder = [] } = {}) {
   return Array.from({ length: all.length / bytes }, (_, k) => all.subarray(k * bytes, (k + 1) * bytes));
 }
 
+/** Mean difference of two pictures' values. */
+const apart = (a, b) => a.reduce((sum, value, i) => sum + Math.abs(value - b[i]), 0) / a.length;
+
 /** The inside of the mouth in the view `mouth`: pixels much darker than lips. */
 function dark(picture, [top, bottom, left, right] = [40, 90, 45, 115]) {
   let count = 0;
@@ -151,13 +154,11 @@ test('each quality fills the picture with the same head', () => {
     film(`${quality}.png`, ...SAID, '--model', 'mara', '--at', '0.2', '--quality', quality, ...SMALL, TEXT);
     return pictures(`${quality}.png`, 160 * 120 * 3)[0];
   });
-  const apart = (a, b) => a.reduce((sum, value, i) => sum + Math.abs(value - b[i]), 0) / a.length;
   assert.ok(apart(low, fine) < 8 && apart(high, fine) < 8, `${apart(low, fine)} ${apart(high, fine)}`);
   assert.ok(!low.equals(fine) && !high.equals(fine));
 });
 
 test('a set of pictures is filmed in the place of its head, on each background, and a file of a head or a set is', () => {
-  const apart = (a, b) => a.reduce((sum, value, i) => sum + Math.abs(value - b[i]), 0) / a.length;
   const one = (name, ...args) => {
     film(name, ...SAID, '--at', '0.2', ...SMALL, ...args, TEXT);
     return pictures(name, 160 * 120 * 4, { format: 'rgba' })[0];

@@ -4,10 +4,7 @@ import { Pictures, PicturesView } from '../element/pictures/pictures-view.mjs';
 import { readPictures } from '../element/pictures/set.mjs';
 import { covering } from './backdrop.mjs';
 
-const COLOUR_MAX = 255;
-
-/** @param {number[]} colour red, green, blue, 0 to 1 */
-const css = (colour) => `rgb(${colour.map((value) => (COLOUR_MAX * value).toFixed(3)).join(' ')})`;
+const OPAQUE = 255;
 
 /** Makes a canvas of this size. @returns {CanvasRenderingContext2D} of it, to be read often if `read` */
 const contextOf = (width, height, read = false) =>
@@ -18,8 +15,9 @@ export class PicturesPlace {
   #drawn = null; // face of the last picture
 
   /**
-   * @param {object} job width, height and view of a Job
-   * @param {{colour?: number[], image?: CanvasImageSource}|null} background @param {object} json of the set
+   * @param {object} job width, height, view and colour of a Job
+   * @param {{image?: CanvasImageSource}|null} background without an image it is the job's colour
+   * @param {object} json of the set
    * @param {number} left @param {number} width pixels
    */
   static async open(job, background, json, left, width) {
@@ -35,14 +33,14 @@ export class PicturesPlace {
   }
 
   /** The background, or its part behind this place. */
-  #paint({ width, height }, { colour, image }) {
+  #paint({ width, height, colour }, { image }) {
     const context = contextOf(this.width, height);
     if (image) {
       const [across, down] = covering(image, width, height);
       const [w, h] = [image.width * across, image.height * down];
       context.drawImage(image, (image.width - w) / 2, (image.height - h) / 2, w, h, -this.left, 0, width, height);
     } else {
-      context.fillStyle = css(colour);
+      context.fillStyle = colour;
       context.fillRect(0, 0, this.width, height);
     }
     return context.canvas;
@@ -98,7 +96,7 @@ export class PicturesPlace {
 /** Multiplies the alpha into the colours. @param {Uint8ClampedArray} data RGBA */
 function multiplyIn(data) {
   for (let i = 0; i < data.length; i += 4) {
-    const alpha = data[i + 3] / COLOUR_MAX;
+    const alpha = data[i + 3] / OPAQUE;
     if (alpha < 1) for (let k = i; k < i + 3; k++) data[k] *= alpha;
   }
 }
